@@ -1,0 +1,1 @@
+//! Brandao et al.: winner-take-all occupancy mapping after Elfes.

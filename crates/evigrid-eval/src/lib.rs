@@ -1,0 +1,1 @@
+//! The run loop, its plan, results folder, tables, and map files.

@@ -1,0 +1,1 @@
+//! Voxel grids, ray walks, log-odds and the three-way belief of a map.

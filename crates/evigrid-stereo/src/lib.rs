@@ -1,0 +1,1 @@
+//! Matchers: SAD cost volume, winner-take-all, peak ratio, left-right check.

@@ -1,0 +1,1 @@
+//! Synthetic worlds: shapes, renderer and simulated laser, as a sequence of frames.

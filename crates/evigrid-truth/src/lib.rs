@@ -1,0 +1,1 @@
+//! Laser scans and poses to the reference occupancy grid.
