@@ -1,1 +1,12 @@
-//! Brandao et al.: winner-take-all occupancy mapping after Elfes.
+//! Brandao, Ferreira, Hashimoto, Santos-Victor, Takanishi: "Integrating the whole cost-curve of stereo into occupancy
+//! grids". Here: the winner-take-all baseline of the paper, with Elfes' inverse sensor model.
+
+mod elfes;
+mod profile;
+mod settings;
+mod winner_take_all;
+
+pub use elfes::{occupancy, occupancy_from_weights};
+pub use profile::{GaussianProfile, ProfileTable};
+pub use settings::{Deviation, SettingError, WinnerTakeAllSettings};
+pub use winner_take_all::WinnerTakeAll;

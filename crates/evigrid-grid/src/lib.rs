@@ -1,1 +1,14 @@
-//! Voxel grids, ray walks, log-odds and the three-way belief of a map.
+//! Voxel grids: geometry, ray walks, log-odds and their fusion, the three-way belief of a map, and the interface of
+//! every mapping method.
+
+mod evidence;
+mod log_odds;
+mod mapper;
+mod ray_walk;
+mod spec;
+
+pub use evidence::FrameEvidence;
+pub use log_odds::{Belief, Clamp, LogOddsGrid, logit, probability};
+pub use mapper::{Mapper, View};
+pub use ray_walk::RayWalk;
+pub use spec::{GridError, GridSettings, GridSpec};

@@ -1,1 +1,22 @@
-//! Scores of a map against a reference grid.
+//! Scores of a map against a reference grid. Arithmetic only: no files, no clock.
+//!
+//! Every number is defined in docs/metrics.md. A cell of the map counts as occupied if its log-odds exceed a
+//! threshold (0, that is P > 0.5, unless said otherwise); a cell that was never touched is not occupied.
+
+mod counts;
+mod curve;
+mod tolerance;
+
+pub use counts::{Counts, Reference, count};
+pub use curve::{Curve, CurvePoint, curve};
+pub use tolerance::{Tolerant, within_tolerance};
+
+/// `numerator / denominator`, NaN for 0 / 0.
+fn ratio(numerator: usize, denominator: usize) -> f64 {
+    numerator as f64 / denominator as f64
+}
+
+/// Harmonic mean of two rates; 0 if both are 0, NaN if either is undefined.
+fn harmonic_mean(a: f64, b: f64) -> f64 {
+    if a + b == 0.0 { 0.0 } else { 2.0 * a * b / (a + b) }
+}

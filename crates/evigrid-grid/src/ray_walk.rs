@@ -1,0 +1,241 @@
+use crate::GridSpec;
+
+/// The voxels of a grid that a straight segment passes, in order (Amanatides and Woo 1987).
+///
+/// Every cell that the segment crosses is visited once; from one cell to the next exactly one index changes, by one.
+/// The segment may begin or end outside the grid: cells outside are not visited, but they are counted in the
+/// number of steps to the segment's last cell, so that a profile that is anchored there needs no special case.
+#[derive(Debug, Clone)]
+pub struct RayWalk {
+    flat: isize,
+    /// Cells still to visit within the grid.
+    left_in_grid: u32,
+    /// Steps from the current cell to the segment's last cell.
+    steps_to_end: i32,
+    axes: [Axis; 3],
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Axis {
+    /// Parameter (0 = start, 1 = end of the segment) at which the next face is crossed.
+    next_face: f64,
+    /// Parameter between two faces.
+    face_spacing: f64,
+    /// Faces left to cross within the grid.
+    faces: u32,
+    /// Signed change of the flat index.
+    stride: isize,
+}
+
+impl RayWalk {
+    /// The walk from one point of the map frame to another, both in metres and finite.
+    /// Empty if the segment misses the grid.
+    pub fn new(spec: &GridSpec, from_m: [f64; 3], to_m: [f64; 3]) -> Self {
+        Self::in_cells(spec, spec.to_cells(from_m), spec.to_cells(to_m))
+    }
+
+    /// The same for points in units of cells from the grid's lower corner ([`GridSpec::to_cells`]).
+    pub fn in_cells(spec: &GridSpec, from: [f64; 3], to: [f64; 3]) -> Self {
+        let direction: [f64; 3] = std::array::from_fn(|a| to[a] - from[a]);
+        let Some((enter, leave)) = clip(spec.shape(), from, direction) else { return Self::empty() };
+        let (mut flat, mut steps_to_end, mut faces_in_grid) = (0, 0_i64, 0);
+        let strides = spec.strides();
+        let mut axes = [Axis::default(); 3];
+        for a in 0..3 {
+            let last = spec.shape()[a] as i64 - 1;
+            let cell_at = |t: f64| ((from[a] + t * direction[a]).floor() as i64).clamp(0, last);
+            let first_cell = if enter > 0.0 { cell_at(enter) } else { (from[a].floor() as i64).clamp(0, last) };
+            let end_cell = to[a].floor() as i64;
+            let last_cell = if leave < 1.0 { cell_at(leave) } else { end_cell.clamp(0, last) };
+            // Rounding at a face must not make the walk run backwards.
+            let faces = ((last_cell - first_cell) * sign(direction[a])).max(0) as u32;
+            let face = if direction[a] > 0.0 { first_cell + 1 } else { first_cell };
+            axes[a] = Axis {
+                next_face: if faces > 0 { (face as f64 - from[a]) / direction[a] } else { f64::INFINITY },
+                face_spacing: direction[a].abs().recip(),
+                faces,
+                stride: strides[a] as isize * sign(direction[a]) as isize,
+            };
+            flat += first_cell as isize * strides[a] as isize;
+            steps_to_end += (end_cell - first_cell).abs();
+            faces_in_grid += faces;
+        }
+        let steps_to_end = i32::try_from(steps_to_end).unwrap_or(i32::MAX);
+        Self { flat, left_in_grid: faces_in_grid + 1, steps_to_end, axes }
+    }
+
+    fn empty() -> Self {
+        Self { flat: 0, left_in_grid: 0, steps_to_end: 0, axes: [Axis::default(); 3] }
+    }
+
+    /// Crosses the nearest face; ties go to the first axis.
+    #[inline]
+    fn step(&mut self) {
+        let [x, y, z] = &self.axes;
+        let a = if x.next_face <= y.next_face {
+            if x.next_face <= z.next_face { 0 } else { 2 }
+        } else if y.next_face <= z.next_face {
+            1
+        } else {
+            2
+        };
+        let axis = &mut self.axes[a];
+        self.flat += axis.stride;
+        self.steps_to_end -= 1;
+        axis.faces = axis.faces.wrapping_sub(1);
+        axis.next_face = if axis.faces == 0 { f64::INFINITY } else { axis.next_face + axis.face_spacing };
+    }
+}
+
+impl Iterator for RayWalk {
+    /// Flat index of the cell, and how many steps it is away from the cell that holds the segment's end (0 there).
+    type Item = (usize, i32);
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.left_in_grid == 0 {
+            return None;
+        }
+        let item = (self.flat as usize, self.steps_to_end);
+        self.left_in_grid -= 1;
+        if self.left_in_grid > 0 {
+            self.step();
+        }
+        Some(item)
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        (self.left_in_grid as usize, Some(self.left_in_grid as usize))
+    }
+}
+
+impl ExactSizeIterator for RayWalk {}
+
+/// The part (enter, leave) of the segment, 0..1, that lies within `[0, shape)`; `None` if it misses the grid.
+fn clip(shape: [usize; 3], from: [f64; 3], direction: [f64; 3]) -> Option<(f64, f64)> {
+    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+    for a in 0..3 {
+        let extent = shape[a] as f64;
+        if direction[a] == 0.0 {
+            if from[a] < 0.0 || from[a] >= extent {
+                return None;
+            }
+            continue;
+        }
+        let (low, high) = (-from[a] / direction[a], (extent - from[a]) / direction[a]);
+        enter = enter.max(low.min(high));
+        leave = leave.min(low.max(high));
+    }
+    // A segment that only touches the grid's face or edge crosses no cell.
+    let inside = enter < leave || (enter == leave && (0..3).all(|a| from[a] >= 0.0 && from[a] < shape[a] as f64));
+    inside.then_some((enter, leave))
+}
+
+fn sign(v: f64) -> i64 {
+    if v > 0.0 {
+        1
+    } else if v < 0.0 {
+        -1
+    } else {
+        0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::GridSettings;
+    use proptest::prelude::*;
+
+    fn spec() -> GridSpec {
+        let settings = GridSettings { x_m: [0.0, 8.0], y_m: [0.0, 6.0], z_m: [0.0, 4.0], cell_size_m: 1.0 };
+        GridSpec::new(&settings).unwrap()
+    }
+
+    /// Length of the parameter interval that the segment spends in a cell, by brute force.
+    fn overlap(cell: [usize; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        for a in 0..3 {
+            let (low, d) = (cell[a] as f64, to[a] - from[a]);
+            if d.abs() < 1e-12 {
+                if from[a] < low || from[a] >= low + 1.0 {
+                    return -1.0;
+                }
+            } else {
+                let (t0, t1) = ((low - from[a]) / d, (low + 1.0 - from[a]) / d);
+                enter = enter.max(t0.min(t1));
+                leave = leave.min(t0.max(t1));
+            }
+        }
+        leave - enter
+    }
+
+    fn check(from: [f64; 3], to: [f64; 3]) -> Result<(), TestCaseError> {
+        let spec = spec();
+        let walk: Vec<_> = RayWalk::in_cells(&spec, from, to).collect();
+        let visited: Vec<_> = walk.iter().map(|&(flat, _)| spec.voxel(flat)).collect();
+        for flat in 0..spec.cell_count() {
+            let cell = spec.voxel(flat);
+            let overlap = overlap(cell, from, to);
+            let count = visited.iter().filter(|v| **v == cell).count();
+            prop_assert!(count <= 1, "{cell:?} twice");
+            prop_assert!(overlap < 1e-9 || count == 1, "{cell:?} missed, overlap {overlap}");
+            prop_assert!(overlap > -1e-9 || count == 0, "{cell:?} not met, overlap {overlap}");
+        }
+        for (pair, steps) in visited.windows(2).zip(walk.windows(2)) {
+            let moved: usize = (0..3).map(|a| pair[0][a].abs_diff(pair[1][a])).sum();
+            prop_assert_eq!(moved, 1, "from {:?} to {:?}", pair[0], pair[1]);
+            prop_assert_eq!(steps[0].1 - steps[1].1, 1);
+        }
+        let inside = |p: [f64; 3]| spec.flat(p.map(|v| v.floor() as i64));
+        if let Some(end) = inside(to) {
+            prop_assert_eq!(walk.last().copied(), Some((end, 0)));
+        }
+        if let Some(start) = inside(from) {
+            prop_assert_eq!(walk.first().map(|w| w.0), Some(start));
+        }
+        Ok(())
+    }
+
+    fn anywhere() -> impl Strategy<Value = [f64; 3]> {
+        [-4.0..12.0, -4.0..10.0, -4.0..8.0]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+        #[test]
+        fn the_walk_visits_what_the_segment_crosses(from in anywhere(), to in anywhere()) {
+            check(from, to)?;
+        }
+
+        #[test]
+        fn also_along_faces_edges_and_diagonals(
+            from in [-2..10_i32, -2..8_i32, -2..6_i32],
+            to in [-2..10_i32, -2..8_i32, -2..6_i32],
+            shift in [0.0..1.0_f64, 0.0..1.0_f64, 0.0..1.0_f64],
+        ) {
+            // Shifted off the faces: the segment then still runs parallel to axes and diagonals, through edges.
+            let at = |p: [i32; 3]| std::array::from_fn(|a| f64::from(p[a]) + shift[a].clamp(0.01, 0.99));
+            let spec = spec();
+            let (from, to) = (at(from), at(to));
+            let walk: Vec<_> = RayWalk::in_cells(&spec, from, to).collect();
+            for (flat, _) in &walk {
+                prop_assert!(overlap(spec.voxel(*flat), from, to) > -1e-9);
+            }
+            for flat in 0..spec.cell_count() {
+                let met = walk.iter().any(|w| w.0 == flat);
+                prop_assert!(met || overlap(spec.voxel(flat), from, to) < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn steps_are_counted_beyond_the_grid() {
+        // Along +x from cell 6: the grid ends with cell 7, the segment in cell 20.
+        let walk: Vec<_> = RayWalk::in_cells(&spec(), [6.5, 0.5, 0.5], [20.5, 0.5, 0.5]).collect();
+        assert_eq!(walk.iter().map(|w| w.1).collect::<Vec<_>>(), [14, 13]);
+        assert_eq!(RayWalk::in_cells(&spec(), [9.0, 0.5, 0.5], [20.5, 0.5, 0.5]).count(), 0);
+        let point: Vec<_> = RayWalk::in_cells(&spec(), [1.5, 1.5, 1.5], [1.5, 1.5, 1.5]).collect();
+        assert_eq!(point, [(24 + 4 + 1, 0)]);
+    }
+}

@@ -1,0 +1,94 @@
+//! Scores against brute force and against numbers worked out by hand.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+use evigrid_grid::{GridSettings, GridSpec};
+use evigrid_metrics::{Reference, count, curve, within_tolerance};
+use proptest::prelude::*;
+
+fn spec() -> GridSpec {
+    let settings = GridSettings { x_m: [0.0, 1.2], y_m: [0.0, 0.8], z_m: [0.0, 0.6], cell_size_m: 0.2 };
+    GridSpec::new(&settings).unwrap()
+}
+
+/// A row of five cells: hit, mistake seen by the laser, mistake unseen, missed as free, missed unseen.
+#[test]
+fn counts_by_hand() {
+    let map = [1.0, 0.1, 2.0, -1.0, f32::NAN, 0.0];
+    let reference = Reference {
+        spec: &spec(),
+        occupied: &[true, false, false, true, true, false],
+        observed: &[true, true, false, true, true, true],
+    };
+    let c = count(&map, &reference);
+    assert_eq!((c.hits, c.mistakes, c.mistakes_observed), (1, 2, 1));
+    assert_eq!((c.missed(), c.missed_free, c.missed_unknown, c.touched), (2, 1, 1, 5));
+    assert!((c.precision() - 1.0 / 3.0).abs() < 1e-15 && (c.recall() - 1.0 / 3.0).abs() < 1e-15);
+    assert!((c.f1() - 1.0 / 3.0).abs() < 1e-15);
+    let (precision, f1) = c.observed_precision_and_f1();
+    assert!((precision - 0.5).abs() < 1e-15 && (f1 - 0.4).abs() < 1e-15);
+}
+
+#[test]
+fn an_empty_map_has_no_precision_but_an_f1_of_zero() {
+    let reference = Reference { spec: &spec(), occupied: &[true, false], observed: &[true, true] };
+    let c = count(&[f32::NAN, -1.0], &reference);
+    assert!(c.precision().is_nan());
+    assert_eq!((c.recall(), c.f1()), (0.0, 0.0));
+}
+
+#[test]
+fn the_curve_by_hand() {
+    // By falling threshold: hit at 3, mistake at 2, hit at 1; one true cell is never found, one mistake below -4.
+    let map = [3.05, 2.05, 1.05, f32::NAN, -4.05];
+    let occupied = [true, false, true, true, false];
+    let curve = curve(&map, &Reference { spec: &spec(), occupied: &occupied, observed: &[true; 5] });
+    let at = |threshold: f32| *curve.points.iter().find(|p| p.log_odds == threshold).unwrap();
+    assert_eq!((at(4.0).hits, at(4.0).mistakes), (0, 0));
+    assert_eq!((at(3.0).hits, at(3.0).mistakes), (1, 0));
+    assert_eq!((at(2.0).hits, at(2.0).mistakes), (1, 1));
+    assert_eq!((at(0.0).hits, at(0.0).mistakes), (2, 1));
+    assert_eq!((at(-5.0).hits, at(-5.0).mistakes), (2, 2));
+    // Hits over mistakes: up to 1 at 0 mistakes, level to 1 mistake, up to 2, level to the end at 3 mistakes.
+    assert!((curve.area() - (1.0 + 2.0 + 2.0) / 9.0).abs() < 1e-12, "{}", curve.area());
+    // Recall rises by a third at precision 1 and by a third at precision 2/3.
+    assert!((curve.average_precision() - (1.0 + 2.0 / 3.0) / 3.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_area_is_cut_where_mistakes_outnumber_the_truth() {
+    // One true cell found at 2, together with four mistakes: the line to (4, 1) is cut at one mistake.
+    let reference = Reference { spec: &spec(), occupied: &[true, false, false, false, false], observed: &[true; 5] };
+    let curve = curve(&[2.05; 5], &reference);
+    assert!((curve.area() - 0.5 * 0.25).abs() < 1e-12, "{}", curve.area());
+}
+
+fn cells() -> impl Strategy<Value = (Vec<f32>, Vec<bool>)> {
+    let n = spec().cell_count();
+    let log_odds = prop_oneof![Just(f32::NAN), Just(-1.0_f32), Just(0.0), Just(0.8)];
+    let sparse = prop::bool::weighted(0.1);
+    (prop::collection::vec(log_odds, n), prop::collection::vec(sparse, n))
+}
+
+proptest! {
+    #[test]
+    fn tolerance_equals_all_pairs((map, truth) in cells(), tolerance in prop_oneof![Just(0.2), Just(0.4), Just(0.35)]) {
+        let spec = spec();
+        let observed = vec![true; truth.len()];
+        let reference = Reference { spec: &spec, occupied: &truth, observed: &observed };
+        let found = within_tolerance(&map, &reference, tolerance);
+        let distance = |a: usize, b: usize| {
+            let (a, b) = (spec.centre_m(a), spec.centre_m(b));
+            (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+        };
+        let occupied: Vec<_> = (0..map.len()).filter(|&i| map[i] > 0.0).collect();
+        let truths: Vec<_> = (0..map.len()).filter(|&i| truth[i]).collect();
+        let share = |from: &[usize], to: &[usize]| {
+            let near = from.iter().filter(|&&a| to.iter().any(|&b| distance(a, b) <= tolerance + 1e-9));
+            near.count() as f64 / from.len() as f64
+        };
+        let (accuracy, completeness) = (share(&occupied, &truths), share(&truths, &occupied));
+        let same = |a: f64, b: f64| a == b || a.is_nan() && b.is_nan();
+        prop_assert!(same(found.accuracy, accuracy), "{} {accuracy}", found.accuracy);
+        prop_assert!(same(found.completeness, completeness), "{} {completeness}", found.completeness);
+    }
+}
