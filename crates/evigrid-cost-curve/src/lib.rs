@@ -7,6 +7,6 @@ mod settings;
 mod winner_take_all;
 
 pub use elfes::{occupancy, occupancy_from_weights};
-pub use profile::{GaussianProfile, ProfileTable};
+pub use profile::{GaussianProfile, PRIOR_TOLERANCE, Profile, ProfileTable};
 pub use settings::{Deviation, SettingError, WinnerTakeAllSettings};
 pub use winner_take_all::WinnerTakeAll;

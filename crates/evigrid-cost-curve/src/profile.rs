@@ -8,6 +8,8 @@ use crate::occupancy_from_weights;
 const ROWS_PER_CELL: f32 = 128.0;
 /// The largest deviation of the table, cells.
 const MAX_DEVIATION_CELLS: f32 = 16.0;
+/// Evidence behind a measured cell is drawn as long as it is at least this many log-odds (P 0.5025).
+pub const PRIOR_TOLERANCE: f32 = 0.01;
 
 /// The likelihood of a range measurement, Normal(r; j, sigma^2) over cell indices (Brandao et al., eq. 3), put through
 /// Elfes' model. The ray has as many cells on either side of r as have any weight.
@@ -46,49 +48,82 @@ impl GaussianProfile {
     }
 }
 
-/// [`GaussianProfile`] as log-odds keys, for the measured cell and those in front of it.
+/// [`GaussianProfile`] as log-odds keys around the measured cell.
 ///
 /// The deviation is rounded to 1/128 of a cell, which moves P by less than 0.006 (asserted in the tests). Deviations
 /// above 16 cells are taken as 16: by then the measured cell itself is left with P < 0.52.
 #[derive(Debug, Clone)]
 pub struct ProfileTable {
     keys: Vec<i32>,
-    /// Where each row begins in `keys`.
-    starts: Vec<usize>,
+    rows: Vec<Row>,
+    free: i32,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    start: u32,
+    end: u32,
+    behind: i32,
+}
+
+/// The profile of one measurement.
+#[derive(Debug, Clone, Copy)]
+pub struct Profile<'a> {
+    /// From the last cell behind the measured one that still gets evidence to the first in front of it that is
+    /// simply free.
+    keys: &'a [i32],
+    behind: i32,
     free: i32,
 }
 
 impl ProfileTable {
-    /// The table, with its log-odds kept within `clamp`.
-    pub fn new(clamp: Clamp) -> Self {
-        let mut table = Self { keys: Vec::new(), starts: vec![0], free: FrameEvidence::key(clamp.min) };
+    /// The table, with the evidence kept within `bounds`. In front, a profile ends where it has sunk to the lower
+    /// bound; behind, where it has come back to the prior within [`PRIOR_TOLERANCE`].
+    pub fn new(bounds: Clamp) -> Self {
+        let mut table = Self { keys: Vec::new(), rows: Vec::new(), free: FrameEvidence::key(bounds.min) };
         for row in 1..=(MAX_DEVIATION_CELLS * ROWS_PER_CELL) as u32 {
             let profile = GaussianProfile::new(f64::from(row) / f64::from(ROWS_PER_CELL));
-            for steps in 0.. {
-                let log_odds = (logit(profile.at(steps)) as f32).clamp(clamp.min, clamp.max);
-                if log_odds <= clamp.min {
-                    break;
-                }
-                table.keys.push(FrameEvidence::key(log_odds));
-            }
-            table.starts.push(table.keys.len());
+            let start = table.keys.len() as u32;
+            let log_odds = |steps: i64| logit(profile.at(steps)) as f32;
+            let behind = (1..).take_while(|&k| log_odds(-k) >= PRIOR_TOLERANCE).count() as i32;
+            let keys = (i64::from(-behind)..)
+                .map(log_odds)
+                .enumerate()
+                .take_while(|&(k, l)| k as i32 <= behind || l > bounds.min)
+                .map(|(_, l)| FrameEvidence::key(l.clamp(bounds.min, bounds.max)));
+            table.keys.extend(keys);
+            table.rows.push(Row { start, end: table.keys.len() as u32, behind });
         }
         table
     }
 
-    /// The keys for a deviation in cells: entry k belongs to the cell k steps in front of the measured one.
-    /// Cells further in front than the row is long are free ([`Self::free`]).
+    /// The profile for a deviation in cells.
     #[inline]
-    pub fn row(&self, deviation_cells: f32) -> &[i32] {
+    pub fn profile(&self, deviation_cells: f32) -> Profile<'_> {
         let row = (deviation_cells.min(MAX_DEVIATION_CELLS) * ROWS_PER_CELL + 0.5) as usize;
-        let row = row.max(1) - 1;
-        &self.keys[self.starts[row]..self.starts[row + 1]]
+        let Row { start, end, behind } = self.rows[row.max(1) - 1];
+        Profile { keys: &self.keys[start as usize..end as usize], behind, free: self.free }
+    }
+}
+
+impl Profile<'_> {
+    /// How many cells behind the measured one get evidence.
+    #[inline]
+    pub fn behind(&self) -> i32 {
+        self.behind
     }
 
-    /// The key of a cell far in front of the measured one.
+    /// How many cells in front of the measured one are more than simply free, the measured one included.
     #[inline]
-    pub fn free(&self) -> i32 {
-        self.free
+    pub fn in_front(&self) -> i32 {
+        self.keys.len() as i32 - self.behind
+    }
+
+    /// The key of the cell `steps` in front of the measured one (negative: behind it); `steps` is at least
+    /// `-behind()`.
+    #[inline]
+    pub fn key(&self, steps: i32) -> i32 {
+        self.keys.get(steps.saturating_add(self.behind) as usize).copied().unwrap_or(self.free)
     }
 }
 
@@ -113,23 +148,23 @@ mod tests {
 
     #[test]
     fn the_table_stays_within_its_stated_error() {
-        let clamp = Clamp { min: -5.0, max: 5.0 };
-        let table = ProfileTable::new(clamp);
-        let value = |keys: &[i32], steps: usize| {
-            let key = keys.get(steps).copied().unwrap_or(table.free());
+        let bounds = Clamp { min: -5.0, max: 5.0 };
+        let table = ProfileTable::new(bounds);
+        let probability_of = |key: i32| {
             let bits = key ^ (((key >> 31) as u32) >> 1) as i32;
             evigrid_grid::probability(f64::from(f32::from_bits(bits as u32)))
         };
         let mut worst = 0.0_f64;
         for k in 0..3999 {
             let deviation = 0.002 + 0.004 * f64::from(k);
-            let profile = GaussianProfile::new(deviation);
-            let row = table.row(deviation as f32);
-            for steps in 0..(row.len() + 3) {
-                let p = profile.at(steps as i64);
-                let clamped = p.clamp(evigrid_grid::probability(-5.0), evigrid_grid::probability(5.0));
-                worst = worst.max((value(row, steps) - clamped).abs());
+            let (exact, row) = (GaussianProfile::new(deviation), table.profile(deviation as f32));
+            for steps in -row.behind()..row.in_front() + 3 {
+                let p = exact.at(i64::from(steps));
+                let bounded = p.clamp(evigrid_grid::probability(-5.0), evigrid_grid::probability(5.0));
+                worst = worst.max((probability_of(row.key(steps)) - bounded).abs());
             }
+            // What is not drawn behind is within 0.01 log-odds of the prior, give or take the rounded deviation.
+            assert!(logit(exact.at(-i64::from(row.behind()) - 1)) < 0.0125);
         }
         assert!(worst < 0.006, "{worst}");
         assert!(GaussianProfile::new(16.0).at(0) < 0.52);

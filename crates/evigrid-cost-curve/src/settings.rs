@@ -1,4 +1,4 @@
-use evigrid_grid::Clamp;
+use evigrid_grid::{Clamp, logit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -30,7 +30,10 @@ pub struct WinnerTakeAllSettings {
     pub disparity_error_px: f64,
     /// Variance of the range in cells, where the width is constant. Unit: cells^2. Source: Brandao et al. Fig. 1 (5).
     pub constant_variance_cells: f64,
-    /// Bounds of the evidence of one frame and of the fused map. Unit: log-odds. Source: own choice, symmetric (P 0.0067 and 0.9933).
+    /// Lowest P that one frame may give a cell. Elfes' model knows no mismatches: it gives P = 0 to every cell in front of a match,
+    /// so that one wrong far match would erase a surface that ten frames agree on. Unit: none. Source: Andert 2009 Fig. 1 (p_min 0.35).
+    pub min_probability: f64,
+    /// Bounds of the fused map, and of the evidence of one frame. Unit: log-odds. Source: own choice, symmetric (P 0.0067 and 0.9933).
     pub log_odds_bounds: [f32; 2],
 }
 
@@ -44,6 +47,7 @@ impl Default for WinnerTakeAllSettings {
             deviation: Deviation::FollowsRange,
             disparity_error_px: 0.2,
             constant_variance_cells: 5.0,
+            min_probability: 0.35,
             log_odds_bounds: [-5.0, 5.0],
         }
     }
@@ -77,14 +81,22 @@ impl WinnerTakeAllSettings {
         ] {
             require(positive(value), key, "a positive number", value.to_string())?;
         }
+        let p = self.min_probability;
+        require(p > 0.0 && p < 0.5, "min_probability", "a number between 0 and 0.5", p.to_string())?;
         let [min, max] = self.log_odds_bounds;
         let bounded = min.is_finite() && max.is_finite() && min < 0.0 && max > 0.0;
         require(bounded, "log_odds_bounds", "[below 0, above 0]", format!("[{min}, {max}]"))?;
         Ok(self)
     }
 
-    /// The bounds as a clamp.
+    /// The bounds of the fused map.
     pub fn clamp(&self) -> Clamp {
         Clamp { min: self.log_odds_bounds[0], max: self.log_odds_bounds[1] }
+    }
+
+    /// The bounds of the evidence of one frame.
+    pub fn evidence_bounds(&self) -> Clamp {
+        let [min, max] = self.log_odds_bounds;
+        Clamp { min: min.max(logit(self.min_probability) as f32), max }
     }
 }

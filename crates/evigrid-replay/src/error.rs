@@ -14,6 +14,16 @@ pub enum ReplayError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A file that cannot be written.
+    #[error("cannot write {what}: {source}: {}", path.display())]
+    Write {
+        /// What was being written.
+        what: &'static str,
+        /// Where.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
     /// A file whose content is not what it should be.
     #[error("{what}: expected {expected}, found {found}: {}{place}", path.display())]
     Content {

@@ -1,7 +1,39 @@
 //! Stereo data sets as sequences of frames: KITTI raw, KITTI odometry, Middlebury pairs.
+//!
+//! [`open`] recognises the layout of a folder; [`check`] tells what a folder holds and lacks; [`datasets`] lists the
+//! recordings that the project knows by name.
 
+mod calibration;
+mod check;
+mod check_folder;
+mod datasets;
+mod detect;
+mod disparity_png;
 mod error;
+#[cfg(test)]
+mod fixtures;
+mod folder;
+mod frame_parts;
+mod frame_ranges;
+mod kitti_odometry;
+mod kitti_raw;
+mod laser_file;
+mod middlebury;
+mod oxts;
+mod png;
+mod poses;
 mod sequence;
+mod stamps;
+mod text;
 
+pub use check::{CheckItem, CheckReport, ItemState};
+pub use check_folder::check;
+pub use datasets::{DatasetInfo, datasets, find_dataset};
+pub use detect::{Layout, open};
+pub use disparity_png::{read_disparity_png, write_disparity_png};
 pub use error::ReplayError;
+pub use frame_ranges::FrameRanges;
+pub use kitti_odometry::KittiOdometry;
+pub use kitti_raw::KittiRaw;
+pub use middlebury::MiddleburyPair;
 pub use sequence::{Sequence, SequenceInfo, map_from_world};

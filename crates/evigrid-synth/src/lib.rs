@@ -1,1 +1,33 @@
-//! Synthetic worlds: shapes, renderer and simulated laser, as a sequence of frames.
+//! Synthetic worlds as sequences of frames: a renderer of stereo pairs and a simulated laser on one scene.
+//!
+//! A world is data: a TOML with shapes, materials, light, trajectory and sensors (`datasets/synth/`). The same
+//! world gives the same bytes for any number of threads and on every machine: random numbers come from ChaCha
+//! streams keyed by seed, frame, sensor and row, textures from integer hashes, sines and cosines from the `libm`
+//! crate; the rest is IEEE arithmetic, which is exact by definition.
+//!
+//! World frame: x and y on the ground, z up, metres. Body frame (the vehicle): x forward, y left, z up, origin on
+//! the ground.
+
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+mod angle;
+mod camera;
+mod description;
+mod error;
+mod laser;
+mod light;
+mod material;
+mod noise;
+mod number;
+mod pattern;
+mod random;
+mod render;
+mod scene;
+mod sequence;
+mod shape;
+mod trajectory;
+mod world;
+
+pub use error::SynthError;
+pub use sequence::SyntheticSequence;
+pub use world::World;

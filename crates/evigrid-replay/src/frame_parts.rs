@@ -1,0 +1,80 @@
+//! From the files of one frame to a checked `Frame`.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use evigrid_core::{CoreError, Frame, GrayImage, LaserScan, Pose, StereoRig};
+
+use crate::laser_file::read_scan;
+use crate::png::decode_grey;
+use crate::text::read_bytes;
+use crate::{ReplayError, SequenceInfo};
+
+/// Where the parts of one frame lie and how they stand to each other.
+pub(crate) struct FrameParts {
+    pub index: usize,
+    pub stamp_ns: i64,
+    pub left: PathBuf,
+    pub right: PathBuf,
+    pub map_from_left: Pose,
+    /// The scan's file, which may be missing, and the pose of the laser.
+    pub laser: Option<(PathBuf, Pose)>,
+}
+
+impl FrameParts {
+    /// Reads the files.
+    pub fn read(self, rig: StereoRig) -> Result<Frame, ReplayError> {
+        let (left, left_png) = self.image("left image", &self.left, &rig)?;
+        let (right, _) = self.image("right image", &self.right, &rig)?;
+        let laser = match &self.laser {
+            Some((path, map_from_laser)) => self.scan(path, map_from_laser)?,
+            None => None,
+        };
+        let frame = Frame::new(self.index, self.stamp_ns, rig, left, right, self.map_from_left, laser);
+        Ok(frame.map_err(|source| self.misfit(source, &self.left))?.with_left_png(left_png))
+    }
+
+    fn image(
+        &self,
+        what: &'static str,
+        path: &Path,
+        rig: &StereoRig,
+    ) -> Result<(GrayImage, Arc<[u8]>), ReplayError> {
+        let bytes = read_bytes(what, path)?;
+        let image = decode_grey(&bytes).map_err(|fault| fault.of(path))?;
+        require_size(what, (rig.width, rig.height), (image.width(), image.height()))
+            .map_err(|source| self.misfit(source, path))?;
+        Ok((image, bytes.into()))
+    }
+
+    fn scan(&self, path: &Path, map_from_laser: &Pose) -> Result<Option<LaserScan>, ReplayError> {
+        let points = read_scan(path)?;
+        let scan = points.map(|points| LaserScan::new(points, *map_from_laser)).transpose();
+        scan.map_err(|source| self.misfit(source, path))
+    }
+
+    fn misfit(&self, source: CoreError, path: &Path) -> ReplayError {
+        ReplayError::Frame { index: self.index, source, path: path.to_owned() }
+    }
+}
+
+/// `Ok` if an image has the expected width and height.
+pub(crate) fn require_size(
+    what: &'static str,
+    (expected_width, expected_height): (usize, usize),
+    (width, height): (usize, usize),
+) -> Result<(), CoreError> {
+    if (width, height) == (expected_width, expected_height) {
+        return Ok(());
+    }
+    Err(CoreError::Size { what, expected_width, expected_height, width, height })
+}
+
+/// `Ok` if the recording has a frame of this number.
+pub(crate) fn require_frame(info: &SequenceInfo, dir: &Path, index: usize) -> Result<(), ReplayError> {
+    let frame_count = info.frame_count;
+    if index < frame_count {
+        return Ok(());
+    }
+    Err(ReplayError::NoSuchFrame { index, frame_count, path: dir.to_owned() })
+}

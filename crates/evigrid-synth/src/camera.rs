@@ -1,0 +1,107 @@
+use evigrid_core::{Pose, StereoRig};
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+use serde::Deserialize;
+
+use crate::number::{Count, Finite, NonNegative, Positive, plain};
+use crate::scene::Ray;
+use crate::{SynthError, angle};
+
+/// A stereo rig and its place on the body as a world describes it.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StereoSpec {
+    /// Image width, pixels.
+    width: Count,
+    /// Image height, pixels.
+    height: Count,
+    /// Focal length, pixels.
+    focal_px: Positive,
+    /// Principal point (column, row), pixels.
+    centre_px: [Finite; 2],
+    /// Distance of the two cameras, metres.
+    baseline_m: Positive,
+    /// The left camera in the body frame, metres.
+    mount_m: [Finite; 3],
+    /// How far the cameras look down.
+    #[serde(default = "no_tilt")]
+    tilt_deg: Finite,
+    /// Standard deviation of the noise of a pixel, grey levels.
+    pub noise_grey: NonNegative,
+}
+
+fn no_tilt() -> Finite {
+    Finite(0.0)
+}
+
+/// No larger images than this, to bound the memory (about 20 bytes per pixel while a frame is rendered).
+const MAX_PIXELS: usize = 32_000_000;
+
+impl StereoSpec {
+    /// The rig.
+    ///
+    /// # Errors
+    /// If the images are too large.
+    pub fn rig(&self) -> Result<StereoRig, SynthError> {
+        let (width, height) = (self.width.get(), self.height.get());
+        if width * height > MAX_PIXELS {
+            let found = format!("{width} x {height}");
+            return Err(SynthError::value(
+                "stereo.width and stereo.height",
+                "at most 32 million pixels",
+                found,
+            ));
+        }
+        Ok(StereoRig {
+            width,
+            height,
+            focal_px: self.focal_px.0,
+            centre_x_px: self.centre_px[0].0,
+            centre_y_px: self.centre_px[1].0,
+            baseline_m: self.baseline_m.0,
+        })
+    }
+
+    /// Pose of the left camera on the body.
+    pub fn body_from_left(&self) -> Pose {
+        let rotation = angle::tilt_down(self.tilt_deg.0) * angle::body_from_camera_axes();
+        Isometry3::from_parts(Translation3::from(Vector3::from(plain(self.mount_m))), rotation)
+    }
+}
+
+/// A pinhole camera at its place in the world.
+#[derive(Debug, Clone, Copy)]
+pub struct Camera {
+    rig: StereoRig,
+    world_from_camera: Pose,
+}
+
+impl Camera {
+    /// The left camera of `rig` at this pose.
+    pub fn left(rig: StereoRig, world_from_left: &Pose) -> Self {
+        Self { rig, world_from_camera: *world_from_left }
+    }
+
+    /// The right camera that belongs to the left one at this pose.
+    pub fn right(rig: StereoRig, world_from_left: &Pose) -> Self {
+        let left_from_right = Translation3::new(rig.baseline_m, 0.0, 0.0);
+        Self { rig, world_from_camera: world_from_left * left_from_right }
+    }
+
+    /// Image width and height, pixels.
+    pub fn size(&self) -> (usize, usize) {
+        (self.rig.width, self.rig.height)
+    }
+
+    /// Where the camera is, metres.
+    pub fn position(&self) -> Point3<f64> {
+        self.world_from_camera.translation.vector.into()
+    }
+
+    /// The ray of the image point (x, y) in pixels, and the width of a pixel's footprint per metre of range.
+    pub fn ray(&self, x: f64, y: f64) -> (Ray, f64) {
+        let in_camera = self.rig.ray(x, y);
+        let length = in_camera.norm();
+        let direction = self.world_from_camera.rotation * (in_camera / length);
+        (Ray { origin: self.position(), direction }, 1.0 / (self.rig.focal_px * length))
+    }
+}

@@ -1,0 +1,149 @@
+//! Images of a scene: one ray through every pixel centre, and two more where neighbouring pixels see different
+//! surfaces.
+
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+
+use crate::camera::Camera;
+use crate::light::Light;
+use crate::noise::{Footprint, hash};
+use crate::scene::{Hit, Ray, Scene};
+
+/// Beyond this the renderer sees sky, metres.
+const FAR_M: f64 = 1e5;
+
+/// How far off a surface its shadow ray starts, metres.
+const SHADOW_OFFSET_M: f64 = 1e-3;
+
+/// The key of the sky, which no surface has.
+const SKY: u32 = u32::MAX;
+
+/// Sub-pixel positions of the rays that a pixel at an edge gets beside the one through its centre. Together they
+/// cut the pixel in thirds both across and along.
+const EDGE_RAYS: [f64; 2] = [-1.0 / 3.0, 1.0 / 3.0];
+
+/// What one ray sees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Grey level, not bounded.
+    pub grey: f32,
+    /// Equal for two rays exactly if they see the same side of the same object in the same light.
+    key: u32,
+}
+
+/// A scene and its light, ready to be seen.
+pub struct View<'a> {
+    pub scene: &'a Scene,
+    pub light: &'a Light,
+}
+
+impl View<'_> {
+    /// The noise-free image of a camera: grey levels, row by row, not bounded.
+    pub fn image(&self, camera: &Camera) -> Vec<f32> {
+        let (width, _) = camera.size();
+        let samples = self.centres(camera);
+        let mut image = vec![0.0; samples.len()];
+        image.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            for (x, grey) in row.iter_mut().enumerate() {
+                *grey = samples[y * width + x].grey;
+                if is_edge(&samples, width, x, y) {
+                    *grey = self.mean_with_edge_rays(camera, (x, y), *grey);
+                }
+            }
+        });
+        image
+    }
+
+    /// What the pixel centres see.
+    fn centres(&self, camera: &Camera) -> Vec<Sample> {
+        let (width, height) = camera.size();
+        let mut samples = vec![Sample { grey: 0.0, key: SKY }; width * height];
+        samples.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            for (x, sample) in row.iter_mut().enumerate() {
+                *sample = self.sample(camera, x as f64, y as f64);
+            }
+        });
+        samples
+    }
+
+    fn mean_with_edge_rays(&self, camera: &Camera, (x, y): (usize, usize), centre: f32) -> f32 {
+        // Each part is as bright as a camera can show, so that the sky does not shine through a pole.
+        let bounded = |grey: f32| grey.clamp(0.0, 255.0);
+        let off_centre = |d: f64| bounded(self.sample(camera, x as f64 + d, y as f64 + d).grey);
+        let sum: f32 = EDGE_RAYS.into_iter().map(off_centre).sum();
+        (bounded(centre) + sum) / 3.0
+    }
+
+    /// What the image point (x, y) of a camera sees, pixels.
+    pub fn sample(&self, camera: &Camera, x: f64, y: f64) -> Sample {
+        let (ray, width_per_metre) = camera.ray(x, y);
+        match self.scene.cast(&ray, FAR_M) {
+            None => Sample { grey: self.light.sky(&ray.direction), key: SKY },
+            Some(hit) => self.shade(&ray, &hit, width_per_metre),
+        }
+    }
+
+    fn shade(&self, ray: &Ray, hit: &Hit, width_per_metre: f64) -> Sample {
+        let object = self.scene.object(hit.object);
+        let (axis, is_positive) = dominant_axis(&hit.local_normal);
+        let side = 2 * axis as u32 + u32::from(is_positive);
+        let local_direction = object.local_from_world * ray.direction;
+        let footprint = footprint(axis, hit, &local_direction, hit.range_m * width_per_metre);
+        let seed = hash(side, 0, object.seed);
+        let point = surface_coordinates(axis, &hit.local_point);
+        let full = self.scene.material(object).grey(point, &footprint, seed);
+        let normal = object.local_from_world.tr_mul(&hit.local_normal);
+        let cosine = self.sunlight(&ray.at(hit.range_m), &normal);
+        let key = (hit.object as u32) << 4 | side << 1 | u32::from(cosine > 0.0);
+        Sample { grey: full * self.light.strength(cosine) as f32, key }
+    }
+
+    /// Cosine at which sunlight meets a surface point; 0 in the shade.
+    fn sunlight(&self, point: &Point3<f64>, normal: &Vector3<f64>) -> f64 {
+        let cosine = self.light.sun_cosine(normal);
+        if cosine == 0.0 || !self.light.shadows {
+            return cosine;
+        }
+        let ray = Ray { origin: point + normal * SHADOW_OFFSET_M, direction: self.light.to_sun };
+        if self.scene.blocks(&ray, FAR_M) { 0.0 } else { cosine }
+    }
+}
+
+/// Whether a pixel sees another surface than one of its four neighbours.
+fn is_edge(samples: &[Sample], width: usize, x: usize, y: usize) -> bool {
+    let at = y * width + x;
+    let differs = |other: usize| samples.get(other).is_some_and(|s| s.key != samples[at].key);
+    (x > 0 && differs(at - 1))
+        || (x + 1 < width && differs(at + 1))
+        || (y > 0 && differs(at - width))
+        || differs(at + width)
+}
+
+/// The axis along which a normal is longest, and whether it points in the positive direction.
+fn dominant_axis(normal: &Vector3<f64>) -> (usize, bool) {
+    let axis = normal.iamax();
+    (axis, normal[axis] > 0.0)
+}
+
+/// The two local coordinates (u, v) of a surface point across the dominant axis of its normal: u level and v up
+/// on upright faces, (x, y) on level ones.
+fn surface_coordinates(axis: usize, point: &Vector3<f64>) -> [f64; 2] {
+    match axis {
+        0 => [point.y, point.z],
+        1 => [point.x, point.z],
+        _ => [point.x, point.y],
+    }
+}
+
+/// What a pixel `width_m` wide covers of the surface. Along the slant its length is width / cos(angle of view);
+/// the part beyond the width is width * tan, hence the span below.
+fn footprint(axis: usize, hit: &Hit, local_direction: &Vector3<f64>, width_m: f64) -> Footprint {
+    let along_normal = local_direction.dot(&hit.local_normal);
+    let tangential = local_direction - hit.local_normal * along_normal;
+    let span = tangential * (width_m / along_normal.abs().max(1e-4));
+    Footprint { width_m, span_m: surface_coordinates(axis, &span) }
+}
+
+#[cfg(test)]
+#[path = "render_tests.rs"]
+mod tests;

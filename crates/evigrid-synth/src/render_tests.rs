@@ -1,0 +1,111 @@
+use nalgebra::Point3;
+
+use super::*;
+use crate::World;
+
+const BOX: &str = include_str!("../tests/box.toml");
+
+/// What the left and the right camera of a frame see at the projections of a world point; `None` where it is
+/// outside an image or hidden from a camera.
+fn greys_of_point(world: &World, frame: usize, point: &Point3<f64>) -> Option<(f32, f32)> {
+    let world_from_left = world.world_from_left(frame);
+    let in_left = world_from_left.inverse_transform_point(point);
+    let (x, y) = world.rig.project(&in_left)?;
+    let right_x = x - world.rig.disparity_px(in_left.z);
+    let inside = |x: f64| x >= 0.0 && x <= (world.rig.width - 1) as f64;
+    let seen = |camera: &Camera, x: f64| {
+        let (ray, _) = camera.ray(x, y);
+        let hit = world.scene.cast(&ray, FAR_M)?;
+        ((ray.at(hit.range_m) - point).norm() < 1e-4).then_some(())
+    };
+    let (left, right) =
+        (Camera::left(world.rig, &world_from_left), Camera::right(world.rig, &world_from_left));
+    (inside(x) && inside(right_x)).then_some(())?;
+    seen(&left, x)?;
+    seen(&right, right_x)?;
+    let view = View { scene: &world.scene, light: &world.light };
+    let grey = |camera: &Camera, x: f64| view.sample(camera, x, y).grey;
+    Some((grey(&left, x), grey(&right, right_x)))
+}
+
+#[test]
+fn both_cameras_see_the_same_grey_at_a_point_of_the_box() {
+    let world = World::from_toml(BOX).unwrap();
+    let (sin, cos) = 25_f64.to_radians().sin_cos();
+    let mut differences = Vec::new();
+    for i in 0..40 {
+        for j in 0..30 {
+            // The face of the box towards the camera: x = -0.5 in its own frame.
+            let (u, v) = (-1.9 + 3.8 * f64::from(i) / 40.0, 0.1 + 2.8 * f64::from(j) / 30.0);
+            let point = Point3::new(9.0 - 0.5 * cos - u * sin, 1.0 - 0.5 * sin + u * cos, v);
+            if let Some((left, right)) = greys_of_point(&world, 0, &point) {
+                differences.push((left - right).abs());
+            }
+        }
+    }
+    let mean = differences.iter().sum::<f32>() / differences.len() as f32;
+    let worst = differences.iter().copied().fold(0.0, f32::max);
+    assert!(differences.len() > 800, "{}", differences.len());
+    assert!(mean < 0.5 && worst < 4.0, "mean {mean}, worst {worst}");
+}
+
+#[test]
+fn the_street_looks_the_same_from_both_cameras() {
+    let world = World::builtin("street").unwrap();
+    let left = Camera::left(world.rig, &world.world_from_left(5));
+    let mut differences = Vec::new();
+    for y in (0..world.rig.height).step_by(7) {
+        for x in (0..world.rig.width).step_by(7) {
+            let (ray, _) = left.ray(x as f64, y as f64);
+            let hit = world.scene.cast(&ray, FAR_M);
+            let greys = hit.and_then(|hit| greys_of_point(&world, 5, &ray.at(hit.range_m)));
+            differences.extend(greys.map(|(left, right)| (left - right).abs()));
+        }
+    }
+    let mean = differences.iter().sum::<f32>() / differences.len() as f32;
+    assert!(differences.len() > 2000 && mean < 1.0, "{} points, mean {mean}", differences.len());
+}
+
+#[test]
+fn the_ground_is_met_at_height_over_sine() {
+    let tilted = BOX.replace("baseline_m", "tilt_deg = 7.0\nbaseline_m");
+    let world = World::from_toml(&tilted).unwrap();
+    let camera = Camera::left(world.rig, &world.world_from_left(0));
+    let mut met = 0;
+    for y in 0..world.rig.height {
+        // At the left border the box is out of the way.
+        let angle = ((y as f64 - 47.5) / 120.0).atan() + 7_f64.to_radians();
+        let (ray, _) = camera.ray(79.5, y as f64);
+        let Some(hit) = world.scene.cast(&ray, FAR_M) else { continue };
+        let expected = 1.5 / angle.sin();
+        if hit.object == 0 {
+            met += 1;
+            assert!(
+                (hit.range_m - expected).abs() < 1e-6 * expected.max(1.0),
+                "{y}: {} {expected}",
+                hit.range_m
+            );
+        }
+    }
+    assert!(met > 20, "{met}");
+}
+
+#[test]
+fn the_box_shades_the_ground_on_the_side_away_from_the_sun() {
+    let world = World::from_toml(BOX).unwrap();
+    let view = View { scene: &world.scene, light: &world.light };
+    let up = Vector3::z();
+    // The sun stands in the direction (-0.94, 0.34) at 50 degrees: the shadow of the 3 m high box is 2.5 m long.
+    let lit = |x, y| view.sunlight(&Point3::new(x, y, 0.0), &up) > 0.0;
+    assert!(!lit(9.0 + 0.94 * 1.5, 1.0 - 0.34 * 1.5));
+    assert!(lit(9.0 - 0.94 * 1.5, 1.0 + 0.34 * 1.5));
+    assert!(lit(9.0 + 0.94 * 4.5, 1.0 - 0.34 * 4.5));
+}
+
+#[test]
+fn the_sky_is_above_the_horizon() {
+    let world = World::from_toml(BOX).unwrap();
+    let camera = Camera::left(world.rig, &world.world_from_left(0));
+    let image = View { scene: &world.scene, light: &world.light }.image(&camera);
+    assert!(image[..10].iter().all(|&grey| (210.0..=240.0).contains(&grey)), "{:?}", &image[..10]);
+}

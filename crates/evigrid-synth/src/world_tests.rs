@@ -1,0 +1,121 @@
+use nalgebra::Vector3;
+use proptest::prelude::*;
+
+use super::*;
+
+const BOX: &str = include_str!("../tests/box.toml");
+
+fn message(text: &str) -> String {
+    World::from_toml(text).map(|_| "accepted".to_owned()).unwrap_or_else(|e| e.to_string())
+}
+
+#[test]
+fn the_poses_follow_from_the_description() {
+    let world = World::from_toml(BOX).unwrap();
+    // 10 m/s at 10 Hz along x from (1, 0.5); the camera 0.2 m to the left and 1.5 m up.
+    for frame in 0..3 {
+        let pose = world.world_from_left(frame);
+        let expected = Vector3::new(1.0 + frame as f64, 0.7, 1.5);
+        assert!((pose.translation.vector - expected).norm() < 1e-6, "{frame}: {}", pose.translation);
+        assert!((pose.rotation * Vector3::z() - Vector3::x()).norm() < 1e-9);
+        assert!((pose.rotation * Vector3::x() + Vector3::y()).norm() < 1e-9);
+        assert_eq!(world.stamp_ns(frame), 100_000_000 * frame as i64);
+    }
+}
+
+#[test]
+fn every_builtin_world_is_sound_and_bears_its_name() {
+    for name in World::builtin_names() {
+        assert_eq!(World::builtin(name).unwrap().name(), name);
+    }
+    let error = World::builtin("stret").unwrap_err().to_string();
+    assert_eq!(error, "no built-in world `stret`: expected one of street");
+}
+
+#[test]
+fn bad_worlds_are_refused_with_one_line_that_names_the_key() {
+    let rows: &[(&str, &str, &[&str])] = &[
+        ("rate_hz", "rate_Hz", &["line 5", "`rate_Hz = 10.0`", "unknown field `rate_Hz`", "`rate_hz`"]),
+        ("scale_m = 0.5", "scale = 0.5", &["line 48", "unknown field `scale`"]),
+        ("{ size_m", "{ size", &["line 53", "size, available keys: size_m"]),
+        ("box =", "ball =", &["line 53", "unknown variant `ball`", "`box`"]),
+        ("focal_px = 120.0\n", "", &["[stereo]", "missing field `focal_px`"]),
+        ("focal_px = 120.0", "focal_px = 0", &["line 14, `focal_px = 0`", "positive number", "found 0"]),
+        ("focal_px = 120.0", "focal_px = nan", &["line 14", "found NaN"]),
+        ("focal_px = 120.0", "focal_px = \"wide\"", &["line 14", "focal_px", "string"]),
+        ("[1.0, 4.0, 3.0]", "[1.0, -4.0, 3.0]", &["line 58", "size_m", "positive number", "found -4"]),
+        ("[1.0, 4.0, 3.0]", "[1.0, 4.0]", &["line 58", "size_m"]),
+        ("frames = 3", "frames = 0", &["line 4, `frames = 0`", "from 1", "found 0"]),
+        ("frames = 3", "frames = -3", &["line 4, `frames = -3`"]),
+        ("material = \"wood\"", "material = \"wod\"", &["line 61", "unknown material", "soil, wood"]),
+        ("name = \"box\"", "name = \"../box\"", &["line 2", "letters, digits"]),
+        ("beams = 16", "beams = 0", &["beams = 0", "from 1"]),
+        ("top_deg = 5.0", "top_deg = -30.0", &["laser.rotating.bottom_deg and top_deg", "-25 and -30"]),
+        (
+            "azimuth_step_deg = 1.0",
+            "azimuth_step_deg = 1e-5",
+            &["laser.rotating.azimuth_step_deg", "10 million"],
+        ),
+        ("width = 160", "width = 1000000", &["stereo.width", "32 million", "1000000 x 96"]),
+        ("frames = 3", "frames = 8", &["trajectory.waypoints_m", "at least 7.000 m for 8 frames", "5.000 m"]),
+        ("[[1.0, 0.5], [6.0, 0.5]]", "[[1.0, 0.5]]", &["trajectory.waypoints_m", "found 1"]),
+        (
+            "centre_m = [9.0",
+            "centre_m = [2.0",
+            &["stereo.mount_m", "left camera of frame", "inside object 1"],
+        ),
+        ("yaw_deg = 25.0", "repeat = { count = 300000, step_m = [1, 0, 0] }", &["object", "found 300001"]),
+        ("seed = 5", "seed = = 5", &["line 3, `seed = = 5`"]),
+    ];
+    for (old, new, parts) in rows {
+        let text = BOX.replacen(old, new, 1);
+        assert_ne!(text, BOX, "{old}");
+        let message = message(&text);
+        assert!(!message.contains('\n'), "{message}");
+        for part in *parts {
+            if !message.contains(part) {
+                eprintln!("{new}: {message}, expected {part}");
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn no_text_makes_the_parser_panic(text in "\\PC{0,200}") {
+        message(&text);
+    }
+
+    #[test]
+    fn no_damage_to_a_world_makes_the_parser_panic(
+        from in 0..BOX.len(),
+        length in 0_usize..30,
+        patch in "[-0-9a-z.\\[\\]{}=\" \n]{0,12}",
+    ) {
+        let to = (from + length).min(BOX.len());
+        prop_assume!(BOX.is_char_boundary(from) && BOX.is_char_boundary(to));
+        let text = format!("{}{patch}{}", &BOX[..from], &BOX[to..]);
+        prop_assert!(!message(&text).contains('\n'));
+    }
+
+    #[test]
+    fn no_number_makes_the_parser_or_the_renderer_panic(
+        at in 0_usize..60,
+        number in prop_oneof![Just("1e308"), Just("-1e6"), Just("1e-6"), Just("0"), Just("inf"), Just("1000000"), Just("3")],
+    ) {
+        // Replaces the n-th value after an equals sign.
+        let mut parts: Vec<String> = BOX.split(" = ").map(str::to_owned).collect();
+        let index = 1 + at % (parts.len() - 1);
+        let end = parts[index].find('\n').unwrap_or(parts[index].len());
+        parts[index].replace_range(..end, number);
+        if let Ok(world) = World::from_toml(&parts.join(" = ")) {
+            // The largest images and sweeps take seconds; the arithmetic is the same in small ones.
+            if world.rig.width * world.rig.height < 100_000 && world.frame_count < 1000 {
+                let sequence = crate::SyntheticSequence::new(world);
+                evigrid_replay::Sequence::frame(&sequence, 0, &Pose::identity()).unwrap();
+            }
+        }
+    }
+}
