@@ -1,2 +1,35 @@
-//! x
-fn main(){}
+//! The command line of evigrid.
+//!
+//! Exit codes: 0 fine, 1 a check found problems, 2 bad usage or bad input. Results go to files and standard output,
+//! everything else to standard error.
+
+mod args;
+mod check;
+mod methods;
+mod output;
+mod progress;
+mod run;
+mod score;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Args, Command};
+
+fn main() -> ExitCode {
+    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("warn"))
+        .format_timestamp(None)
+        .format_target(false)
+        .init();
+    let result = match Args::parse().command {
+        Command::Run(args) => run::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Score(args) => score::score(&args).map(|()| ExitCode::SUCCESS),
+        Command::Check(args) => check::check(&args),
+        Command::Methods => methods::methods().map(|()| ExitCode::SUCCESS),
+    };
+    result.unwrap_or_else(|error| {
+        eprintln!("error: {}", output::one_line(&error));
+        ExitCode::from(2)
+    })
+}

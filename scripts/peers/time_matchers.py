@@ -2,10 +2,10 @@
 
     time_matchers.py --drive 2011_09_26/2011_09_26_drive_0013_sync [--frame 0] [--criterion target/criterion]
 
-Two pairs: the frame as it is with 128 disparities, and the frame scaled to 640 x 480 with 64. Each time is the median over the runs, with one
-and with two threads. Ours come from criterion's estimates of the benches `match/kitti_1242x375_128` and `match/vga_640x480_64`, the number
-of threads as last part of the name if there is one (`match/vga_640x480_64/2`); without one they stand in the rows of two threads. Ratio: ours /
-OpenCV's StereoBM with as many threads. Run the benches and this script on an idle machine, one after the other.
+Two pairs: the frame as it is with 128 disparities, and the frame scaled to 640 x 480 with 64. Each time is the median over the runs, with
+one and with two threads. Ours come from criterion's estimates of the benches `match/kitti_1242x375_128` and `match/vga_640x480_64`, with the
+number of threads as last part of the name (`match/vga_640x480_64/2`); without one they stand in the rows of two threads. Ratio: ours /
+StereoBM with as many threads. Run the benches and this script on an idle machine, one after the other.
 """
 
 import argparse

@@ -1,1 +1,30 @@
-//! The run loop, its plan, results folder, tables, and map files.
+//! Runs mapping methods over a recording and scores them: the settings of a run, the loop, the results folder, its
+//! tables and map files. Results are plain values; tables, progress and recording are equal observers of the loop.
+
+mod clock;
+mod config;
+mod map_file;
+mod memory;
+mod method;
+mod npz;
+mod observer;
+mod outputs;
+mod plan;
+mod prefetch;
+mod run;
+mod score_file;
+mod scores;
+mod tables;
+
+pub use clock::{Clock, RealClock};
+pub use config::{Config, ConfigError, InputSettings, OutputSettings, RunSettings, ScoreSettings};
+pub use map_file::{MapFile, read_map, write_map, write_truth};
+pub use memory::peak_memory_mib;
+pub use method::Method;
+pub use observer::{MethodStep, Observer, RunInfo, RunResult, StageTime, Step};
+pub use outputs::{PendingFile, ResultsFolder};
+pub use plan::{FrameRange, Plan, data_root, open_dataset};
+pub use run::evaluate;
+pub use score_file::score_map_file;
+pub use scores::{MethodResult, Scores};
+pub use tables::{TableWriter, markdown_summary, run_json};

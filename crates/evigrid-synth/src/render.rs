@@ -22,6 +22,9 @@ const SKY: u32 = u32::MAX;
 /// cut the pixel in thirds both across and along.
 const EDGE_RAYS: [f64; 2] = [-1.0 / 3.0, 1.0 / 3.0];
 
+/// Edges between surfaces whose grey differs by less than this need no more rays, grey levels.
+const EDGE_CONTRAST: f32 = 10.0;
+
 /// What one ray sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
@@ -109,10 +112,13 @@ impl View<'_> {
     }
 }
 
-/// Whether a pixel sees another surface than one of its four neighbours.
+/// Whether a pixel sees another surface, of clearly another grey, than one of its four neighbours.
 fn is_edge(samples: &[Sample], width: usize, x: usize, y: usize) -> bool {
     let at = y * width + x;
-    let differs = |other: usize| samples.get(other).is_some_and(|s| s.key != samples[at].key);
+    let Sample { grey, key } = samples[at];
+    let differs = |other: usize| {
+        samples.get(other).is_some_and(|s| s.key != key && (s.grey - grey).abs() > EDGE_CONTRAST)
+    };
     (x > 0 && differs(at - 1))
         || (x + 1 < width && differs(at + 1))
         || (y > 0 && differs(at - width))

@@ -6,6 +6,7 @@ use parry3d::query::Ray as LocalRay;
 use parry3d::shape::SharedShape;
 
 use crate::material::Material;
+use crate::noise::unit;
 
 /// A half line in the world; `direction` has length 1.
 #[derive(Debug, Clone, Copy)]
@@ -58,12 +59,14 @@ impl Object {
         self.shape.cast_local_ray(&self.local_ray(ray, 0.0), max, false)
     }
 
-    /// The box around the object in the world, a little too large, so that rounding never cuts anything off.
+    /// The box around the object in the world, 1 to 3 mm too large, so that rounding never cuts anything off. No two
+    /// boxes are alike: building the tree from many equal ones, or equally spaced ones, would take quadratic time.
     fn bounds(&self) -> Aabb {
         let local = self.shape.compute_local_aabb();
         let half = from_parry(local.half_extents());
         let centre = self.centre + self.local_from_world.transpose() * from_parry(local.center());
-        let extent = self.local_from_world.transpose().abs() * half + Vector3::repeat(1e-3);
+        let margin = 1e-3 * (2.0 + f64::from(unit(self.seed)));
+        let extent = self.local_from_world.transpose().abs() * half + Vector3::repeat(margin);
         Aabb::new(to_parry(&(centre.coords - extent)), to_parry(&(centre.coords + extent)))
     }
 }
@@ -181,7 +184,7 @@ mod tests {
         for i in 0..20_000 {
             // Directions all around, from one place on the road.
             let direction = angle::direction(f64::from(i) * 137.507, f64::from(i % 1000) * 0.06 - 30.0);
-            let ray = Ray { origin: Point3::new(9.3, 0.2, 1.6), direction };
+            let ray = Ray { origin: Point3::new(9.3, 0.2, 1.6137), direction };
             let slow = scene.objects.iter().filter_map(|o| range_to_box(o, &ray)).min_by(f64::total_cmp);
             let fast = scene.cast(&ray, 1e5).map(|hit| hit.range_m);
             let close = match (slow, fast) {

@@ -1,0 +1,89 @@
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use evigrid_eval::Config;
+
+/// Replays stereo recordings, builds occupancy grids with published methods and scores them against the laser.
+#[derive(Debug, Parser)]
+#[command(version, about, max_term_width = 110)]
+pub struct Args {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Map a recording and score the maps; without arguments on a small built-in world.
+    Run(RunArgs),
+    /// Score a map that another mapper made.
+    Score(ScoreArgs),
+    /// Tell what was expected of a data set, what was found and what can be run on it.
+    Check(CheckArgs),
+    /// List the methods and every setting, with default, unit and source.
+    Methods,
+}
+
+/// Which frames of which recording, and all settings.
+#[derive(Debug, clap::Args)]
+pub struct InputArgs {
+    /// A folder (KITTI raw drive, KITTI odometry sequence, Middlebury pair), the name of a known data set, or
+    /// synth:street [default: synth:street].
+    #[arg(long, value_name = "DIR|NAME")]
+    pub dataset: Option<String>,
+    /// Frames A to B, B excluded; either may be left out [default: all].
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    pub frames: Option<String>,
+    /// Use every N-th frame [default: 1].
+    #[arg(long, value_name = "N")]
+    pub stride: Option<usize>,
+    /// Settings in TOML, as config.toml of an earlier run.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// One setting, as SECTION.KEY=VALUE (`evigrid methods` lists them); may be given many times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub sets: Vec<String>,
+}
+
+impl InputArgs {
+    /// The settings: defaults, then the file, then `--set`, then the other arguments.
+    pub fn config(&self) -> Result<Config> {
+        let mut config = Config::load(self.config.as_deref(), &self.sets)?;
+        if let Some(dataset) = &self.dataset {
+            config.run.dataset.clone_from(dataset);
+        }
+        if let Some(frames) = &self.frames {
+            config.run.frames.clone_from(frames);
+        }
+        config.run.stride = self.stride.unwrap_or(config.run.stride);
+        Ok(config)
+    }
+}
+
+#[derive(Debug, clap::Args)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// A method (`evigrid methods` lists them); may be given many times [default: winner-take-all].
+    #[arg(long = "method", value_name = "NAME")]
+    pub methods: Vec<String>,
+    /// Folder for the results [default: out/DATASET].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct ScoreArgs {
+    /// The map: npz with indices [N,3], log_odds [N], origin [3], cell_size.
+    #[arg(value_name = "MAP.npz")]
+    pub map: PathBuf,
+    #[command(flatten)]
+    pub input: InputArgs,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct CheckArgs {
+    /// Folder of the data set.
+    #[arg(value_name = "DIR")]
+    pub dir: PathBuf,
+}

@@ -1,0 +1,27 @@
+use std::path::Path;
+
+use anyhow::Result;
+use evigrid_eval::{Plan, RealClock, RunResult, markdown_summary, read_map, score_map_file};
+
+use crate::args::ScoreArgs;
+use crate::output::print;
+
+/// `evigrid score`.
+pub fn score(args: &ScoreArgs) -> Result<()> {
+    let map = read_map(&args.map)?;
+    let plan = Plan::new(args.input.config()?)?;
+    let name = args.map.file_stem().unwrap_or(Path::new("map").as_os_str()).to_string_lossy();
+    let (scored, outside, without_laser) =
+        score_map_file(&plan, &map, &name, &RealClock::default()).map_err(|e| e.context(where_from(args)))?;
+    let frames = plan.info.frames.len();
+    let result = RunResult { methods: vec![scored], frames, without_laser, wall_ms: 0.0, times: Vec::new() };
+    print(&markdown_summary(&plan.info, &result))?;
+    if outside > 0 {
+        print(&format!("\n{outside} voxels of the map lie outside the grid and are not scored.\n"))?;
+    }
+    Ok(())
+}
+
+fn where_from(args: &ScoreArgs) -> String {
+    format!("map {}", args.map.display())
+}

@@ -1,0 +1,111 @@
+//! The npz container: a zip file of npy arrays.
+
+use std::io::{Cursor, Read, Seek, Write};
+
+use anyhow::{Context, Result, bail};
+use npyz::WriterBuilder;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+/// Arrays larger than this are refused when read (a header may claim anything).
+const MAX_ARRAY_BYTES: u64 = 8 << 30;
+
+/// Writes arrays into an npz, one after the other.
+pub(crate) struct NpzWriter<W: Write + Seek> {
+    zip: ZipWriter<W>,
+}
+
+impl<W: Write + Seek> NpzWriter<W> {
+    pub fn new(writer: W) -> Self {
+        Self { zip: ZipWriter::new(writer) }
+    }
+
+    /// Adds an array in C order.
+    pub fn array<T: npyz::AutoSerialize + Copy>(
+        &mut self,
+        name: &str,
+        shape: &[u64],
+        values: &[T],
+    ) -> Result<()> {
+        let mut npy = Vec::with_capacity(128 + size_of_val(values));
+        let mut writer = npyz::WriteOptions::new()
+            .default_dtype()
+            .shape(shape)
+            .writer(&mut npy)
+            .begin_nd()
+            .context("npy header")?;
+        writer.extend(values.iter().copied()).and_then(|()| writer.finish()).context("npy data")?;
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            .compression_level(Some(1));
+        self.zip.start_file(format!("{name}.npy"), options)?;
+        self.zip.write_all(&npy)?;
+        Ok(())
+    }
+
+    /// Ends the file and gives the writer back.
+    pub fn finish(self) -> Result<W> {
+        Ok(self.zip.finish()?)
+    }
+}
+
+/// The arrays of an npz that has been read into memory.
+pub(crate) struct Npz<'a> {
+    zip: ZipArchive<Cursor<&'a [u8]>>,
+}
+
+/// One array: shape, and values converted to f64 (exact for every 32-bit type and integers up to 2^53).
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Array {
+    pub shape: Vec<u64>,
+    pub is_integer: bool,
+    pub values: Vec<f64>,
+}
+
+impl<'a> Npz<'a> {
+    pub fn new(bytes: &'a [u8]) -> Result<Self> {
+        let zip = ZipArchive::new(Cursor::new(bytes)).context("expected an npz file (a zip of npy arrays)")?;
+        Ok(Self { zip })
+    }
+
+    /// Reads an array of numbers.
+    pub fn array(&mut self, name: &str) -> Result<Array> {
+        let known = self.zip.file_names().filter_map(|n| n.ok().map(|n| n.into_owned())).collect::<Vec<_>>().join(", ");
+        let Ok(entry) = self.zip.by_name(&format!("{name}.npy")) else {
+            bail!("expected an array `{name}`, found {known}");
+        };
+        let mut bytes = Vec::new();
+        entry.take(MAX_ARRAY_BYTES).read_to_end(&mut bytes).with_context(|| format!("array `{name}`"))?;
+        parse_npy(&bytes).with_context(|| format!("array `{name}`"))
+    }
+}
+
+/// Parses one npy file of plain numbers in C order.
+pub(crate) fn parse_npy(bytes: &[u8]) -> Result<Array> {
+    let npy = npyz::NpyFile::new(bytes).context("not in npy format")?;
+    let shape = npy.shape().to_vec();
+    let count = shape.iter().try_fold(1_u64, |product, &n| product.checked_mul(n));
+    let npyz::DType::Plain(dtype) = npy.dtype() else { bail!("expected plain numbers, found a structure") };
+    let size = dtype.num_bytes().unwrap_or(0) as u64;
+    if !count.and_then(|n| n.checked_mul(size)).is_some_and(|total| size > 0 && total <= bytes.len() as u64) {
+        bail!("shape {shape:?} of {size}-byte numbers does not fit into {} bytes", bytes.len());
+    }
+    if npy.order() != npyz::Order::C && shape.len() > 1 {
+        bail!("expected C order, found Fortran order");
+    }
+    let text = dtype.to_string();
+    let values: Vec<f64> = match text.trim_start_matches(['<', '>', '=', '|']) {
+        "f4" => npy.into_vec::<f32>()?.into_iter().map(f64::from).collect(),
+        "f8" => npy.into_vec::<f64>()?,
+        "i1" => npy.into_vec::<i8>()?.into_iter().map(f64::from).collect(),
+        "i2" => npy.into_vec::<i16>()?.into_iter().map(f64::from).collect(),
+        "i4" => npy.into_vec::<i32>()?.into_iter().map(f64::from).collect(),
+        "i8" => npy.into_vec::<i64>()?.into_iter().map(|v| v as f64).collect(),
+        "u1" => npy.into_vec::<u8>()?.into_iter().map(f64::from).collect(),
+        "u2" => npy.into_vec::<u16>()?.into_iter().map(f64::from).collect(),
+        "u4" => npy.into_vec::<u32>()?.into_iter().map(f64::from).collect(),
+        "u8" => npy.into_vec::<u64>()?.into_iter().map(|v| v as f64).collect(),
+        _ => bail!("expected integers or floats, found type {text}"),
+    };
+    Ok(Array { shape, is_integer: !text.contains('f'), values })
+}

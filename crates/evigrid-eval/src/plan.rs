@@ -1,0 +1,185 @@
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use evigrid_core::Pose;
+use evigrid_grid::GridSpec;
+use evigrid_replay::{Sequence, find_dataset, map_from_world};
+use evigrid_synth::{SyntheticSequence, World};
+
+use crate::{Config, Method, RunInfo};
+
+/// A run whose every setting has been checked; nothing further in validates again.
+pub struct Plan {
+    /// The recording.
+    pub sequence: Box<dyn Sequence>,
+    /// From the recording's world to the map frame of this run.
+    pub map_from_world: Pose,
+    /// The methods.
+    pub methods: Vec<Method>,
+    /// What observers are told.
+    pub info: RunInfo,
+}
+
+impl std::fmt::Debug for Plan {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Plan").field("info", &self.info).finish_non_exhaustive()
+    }
+}
+
+impl Plan {
+    /// Opens the recording and checks all settings against it.
+    ///
+    /// # Errors
+    /// If the data set, a method or a frame does not exist, or a setting is outside its domain.
+    pub fn new(config: Config) -> Result<Self> {
+        let methods = parse_methods(&config.run.methods)?;
+        let spec = GridSpec::new(&config.grid)?;
+        config.stereo.checked()?;
+        config.truth.checked()?;
+        config.winner_take_all.checked()?;
+        check_tolerances(&config.score.tolerances_m)?;
+        let sequence = open_dataset(&config.run.dataset)?;
+        let range: FrameRange = config.run.frames.parse()?;
+        let frames = range.frames(sequence.info().frame_count, config.run.stride)?;
+        let map_from_world = map_from_world(&sequence.world_from_left(frames[0])?);
+        let info = RunInfo {
+            dataset: sequence.info().id.clone(),
+            layout: sequence.info().layout.to_owned(),
+            frames,
+            methods: methods.iter().map(|m| m.name().to_owned()).collect(),
+            spec,
+            config,
+        };
+        Ok(Self { sequence, map_from_world, methods, info })
+    }
+}
+
+fn parse_methods(names: &[String]) -> Result<Vec<Method>> {
+    if names.is_empty() {
+        bail!("run.methods: expected at least one method, found none");
+    }
+    let mut methods = Vec::new();
+    for name in names {
+        let Some(method) = Method::from_name(name) else {
+            let similar = |m: &Method| strsim::jaro_winkler(m.name(), name);
+            let best = Method::ALL.into_iter().max_by(|a, b| similar(a).total_cmp(&similar(b)));
+            let hint = best.map_or("", Method::name);
+            bail!("unknown method `{name}` (did you mean `{hint}`?)");
+        };
+        if methods.contains(&method) {
+            bail!("method `{name}` is named twice");
+        }
+        methods.push(method);
+    }
+    Ok(methods)
+}
+
+fn check_tolerances(tolerances_m: &[f64]) -> Result<()> {
+    match tolerances_m.iter().find(|t| !(t.is_finite() && **t >= 0.0 && **t <= 10.0)) {
+        Some(t) => bail!("score.tolerances_m: expected metres from 0 to 10, found {t}"),
+        None => Ok(()),
+    }
+}
+
+/// Where data sets are looked for by name: the folder in the environment variable EVIGRID_DATA, else `data`.
+pub fn data_root() -> PathBuf {
+    std::env::var_os("EVIGRID_DATA").map_or_else(|| PathBuf::from("data"), PathBuf::from)
+}
+
+/// Opens a data set: `synth:NAME`, a folder, or the name of a known data set below [`data_root`].
+///
+/// # Errors
+/// If there is no such world, folder or data set, or it cannot be read.
+pub fn open_dataset(name: &str) -> Result<Box<dyn Sequence>> {
+    if let Some(world) = name.strip_prefix("synth:") {
+        return Ok(Box::new(SyntheticSequence::new(World::builtin(world)?)));
+    }
+    let path = Path::new(name);
+    if path.exists() {
+        return Ok(evigrid_replay::open(path)?);
+    }
+    let Some(known) = find_dataset(name)? else {
+        let names: Vec<_> = evigrid_replay::datasets()?.into_iter().map(|d| d.id).collect();
+        bail!(
+            "no such data set: expected a folder, synth:street or one of {}, found `{name}`",
+            names.join(", ")
+        );
+    };
+    let dir = known.dir_below(&data_root());
+    evigrid_replay::open(&dir)
+        .with_context(|| format!("data set {name} is not here (scripts/download_datasets.sh {name} fetches it)"))
+}
+
+/// Frame numbers `A..B`; either end may be missing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FrameRange {
+    from: usize,
+    to: Option<usize>,
+}
+
+impl std::str::FromStr for FrameRange {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let wrong = || format!("run.frames: expected A..B, A.. or ..B with whole numbers, found `{text}`");
+        let (from, to) = text.split_once("..").with_context(wrong)?;
+        let number = |text: &str| text.trim().parse::<usize>().with_context(wrong);
+        let from = if from.trim().is_empty() { 0 } else { number(from)? };
+        let to = if to.trim().is_empty() { None } else { Some(number(to)?) };
+        Ok(Self { from, to })
+    }
+}
+
+impl FrameRange {
+    /// The frame numbers within a recording of `count` frames, every `stride`-th.
+    ///
+    /// # Errors
+    /// If the stride is 0, the range is empty or it goes beyond the recording.
+    pub fn frames(&self, count: usize, stride: usize) -> Result<Vec<usize>> {
+        if stride == 0 {
+            bail!("run.stride: expected a number from 1, found 0");
+        }
+        let to = self.to.unwrap_or(count);
+        if to > count {
+            bail!("run.frames: expected frames within 0..{count}, found {}..{to}", self.from);
+        }
+        if self.from >= to {
+            bail!("run.frames: expected at least one frame within 0..{count}, found {}..{to}", self.from);
+        }
+        Ok((self.from..to).step_by(stride).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn frames(text: &str, stride: usize) -> Result<Vec<usize>> {
+        text.parse::<FrameRange>()?.frames(10, stride)
+    }
+
+    #[test]
+    fn frame_ranges() {
+        assert_eq!(frames("2..5", 1).unwrap(), [2, 3, 4]);
+        assert_eq!(frames("..", 4).unwrap(), [0, 4, 8]);
+        assert_eq!(frames("7..", 2).unwrap(), [7, 9]);
+        assert_eq!(frames("..1", 1).unwrap(), [0]);
+    }
+
+    #[test]
+    fn impossible_ranges_are_refused() {
+        for (text, stride, part) in [
+            ("5..5", 1, "at least one frame"),
+            ("6..2", 1, "at least one frame"),
+            ("0..11", 1, "within 0..10"),
+            ("0..3", 0, "run.stride"),
+            ("3", 1, "expected A..B"),
+            ("a..3", 1, "expected A..B"),
+            ("-1..3", 1, "expected A..B"),
+        ] {
+            let message = format!("{:#}", frames(text, stride).unwrap_err());
+            assert!(message.contains(part), "{text}: {message}");
+        }
+    }
+}

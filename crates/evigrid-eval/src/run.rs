@@ -1,0 +1,237 @@
+use anyhow::{Context, Result};
+use evigrid_core::{Frame, Matches};
+use evigrid_grid::{LogOddsGrid, Mapper, View};
+use evigrid_metrics::Reference;
+use evigrid_replay::{read_disparity_png, write_disparity_png};
+use evigrid_stereo::{BlockMatcher, Matching};
+use evigrid_truth::LaserTruth;
+
+use crate::{Clock, MethodResult, MethodStep, Observer, Plan, ResultsFolder, RunResult, Scores, StageTime, Step};
+use crate::prefetch::read_ahead;
+
+/// Runs the plan: every frame is matched once, mapped by every method, added to the reference, scored and shown to
+/// the observers. Then the maps and the reference are written.
+///
+/// # Errors
+/// If a frame cannot be read, or an observer or a file fails; the run stops there.
+pub fn evaluate(
+    plan: &Plan,
+    clock: &dyn Clock,
+    folder: &ResultsFolder,
+    observers: &mut [&mut dyn Observer],
+) -> Result<RunResult> {
+    for observer in observers.iter_mut() {
+        observer.begin(&plan.info)?;
+    }
+    let start = clock.now_ms();
+    let mut run = Run::new(plan, clock, folder)?;
+    std::thread::scope(|scope| -> Result<()> {
+        let frames =
+            read_ahead(scope, plan.sequence.as_ref(), &plan.info.frames, plan.map_from_world, clock);
+        for (position, read) in frames.iter().enumerate() {
+            let (frame, read_ms) = read?;
+            run.step(position, &frame, read_ms, observers)?;
+        }
+        Ok(())
+    })?;
+    let result = run.finish(start);
+    let maps: Vec<_> = run.mappers.iter().map(|m| m.map()).collect();
+    let truth = run.truth_if_any();
+    for observer in observers.iter_mut() {
+        observer.end(&result, &maps, truth)?;
+    }
+    Ok(result)
+}
+
+/// The state of a run between frames.
+struct Run<'a> {
+    plan: &'a Plan,
+    clock: &'a dyn Clock,
+    folder: &'a ResultsFolder,
+    matcher: BlockMatcher,
+    recycled: Option<Matching>,
+    mappers: Vec<Box<dyn Mapper>>,
+    truth: LaserTruth,
+    without_laser: Vec<usize>,
+    /// Stage times of all frames, and where those of the current frame begin.
+    times: Vec<StageTime>,
+    frame_times: usize,
+}
+
+impl<'a> Run<'a> {
+    fn new(plan: &'a Plan, clock: &'a dyn Clock, folder: &'a ResultsFolder) -> Result<Self> {
+        let config = &plan.info.config;
+        let mappers: Result<Vec<_>> = plan.methods.iter().map(|m| m.build(plan.info.spec, config)).collect();
+        Ok(Self {
+            plan,
+            clock,
+            folder,
+            matcher: BlockMatcher::new(config.stereo)?,
+            recycled: None,
+            mappers: mappers?,
+            truth: LaserTruth::new(plan.info.spec, config.truth)?,
+            without_laser: Vec::new(),
+            times: Vec::new(),
+            frame_times: 0,
+        })
+    }
+
+    /// One frame: match, integrate, truth, score, record.
+    fn step(
+        &mut self,
+        position: usize,
+        frame: &Frame,
+        read_ms: f64,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<()> {
+        self.frame_times = self.times.len();
+        self.times.push(StageTime { frame: frame.index(), method: None, stage: "read", ms: read_ms });
+        let matching = self.match_pair(frame)?;
+        self.integrate(frame, &matching);
+        self.add_scan(frame);
+        let scores = self.score(frame);
+        self.record(position, frame, &matching.matches, &scores, observers)?;
+        self.recycled = Some(matching);
+        Ok(())
+    }
+
+    /// Computes or reads what all methods share, once.
+    fn match_pair(&mut self, frame: &Frame) -> Result<Matching> {
+        let start = self.clock.now_ms();
+        let config = &self.plan.info.config;
+        let matching = if config.input.disparity_dir.is_empty() {
+            let keep_volume = self.mappers.iter().any(|m| m.needs_volume());
+            self.matcher
+                .run(frame.left(), frame.right(), keep_volume, self.recycled.take())
+                .with_context(|| format!("frame {}", frame.index()))?
+        } else {
+            read_matching(&config.input.disparity_dir, frame)?
+        };
+        self.time(frame, None, "match", start);
+        if config.output.disparity {
+            let dir = self.folder.dir().join("disparity");
+            std::fs::create_dir_all(&dir).with_context(|| format!("cannot write {}", dir.display()))?;
+            write_disparity_png(&dir.join(png_name(frame)), &matching.matches.disparity)?;
+        }
+        Ok(matching)
+    }
+
+    fn integrate(&mut self, frame: &Frame, matching: &Matching) {
+        let view = View {
+            rig: frame.rig(),
+            map_from_left: frame.map_from_left(),
+            left: frame.left(),
+            matches: &matching.matches,
+            volume: matching.volume.as_ref(),
+        };
+        for i in 0..self.mappers.len() {
+            let start = self.clock.now_ms();
+            self.mappers[i].integrate(&view);
+            self.time(frame, Some(i), "integrate", start);
+        }
+    }
+
+    fn add_scan(&mut self, frame: &Frame) {
+        let start = self.clock.now_ms();
+        match frame.laser() {
+            Some(scan) => self.truth.add_scan(scan),
+            None => self.without_laser.push(frame.index()),
+        }
+        self.time(frame, None, "truth", start);
+    }
+
+    fn score(&mut self, frame: &Frame) -> Vec<Option<Scores>> {
+        let tolerances = &self.plan.info.config.score.tolerances_m;
+        (0..self.mappers.len())
+            .map(|i| {
+                let start = self.clock.now_ms();
+                let reference = self.reference();
+                let scores = reference.map(|r| Scores::of(self.mappers[i].map(), &r, tolerances));
+                self.time(frame, Some(i), "score", start);
+                scores
+            })
+            .collect()
+    }
+
+    fn record(
+        &mut self,
+        position: usize,
+        frame: &Frame,
+        matches: &Matches,
+        scores: &[Option<Scores>],
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<()> {
+        let start = self.clock.now_ms();
+        let methods: Vec<_> = self
+            .mappers
+            .iter()
+            .zip(&self.plan.info.methods)
+            .zip(scores)
+            .map(|((m, method), scores)| MethodStep { method, map: m.map(), scores: scores.as_ref() })
+            .collect();
+        let step = Step { position, frame, matches, truth: self.truth_if_any(), methods: &methods };
+        for observer in observers.iter_mut() {
+            observer.frame(&step)?;
+        }
+        self.time(frame, None, "record", start);
+        for observer in observers.iter_mut() {
+            observer.times(&self.times[self.frame_times..])?;
+        }
+        Ok(())
+    }
+
+    fn time(&mut self, frame: &Frame, method: Option<usize>, stage: &'static str, start: f64) {
+        let ms = self.clock.now_ms() - start;
+        self.times.push(StageTime { frame: frame.index(), method, stage, ms });
+    }
+
+    fn truth_if_any(&self) -> Option<&LaserTruth> {
+        (self.truth.scans() > 0).then_some(&self.truth)
+    }
+
+    fn reference(&self) -> Option<Reference<'_>> {
+        self.truth_if_any().map(|truth| Reference {
+            spec: truth.spec(),
+            occupied: truth.occupied(),
+            observed: truth.observed(),
+        })
+    }
+
+    fn finish(&self, start: f64) -> RunResult {
+        let reference = self.reference();
+        let tolerances = &self.plan.info.config.score.tolerances_m;
+        let result = |(mapper, name): (&Box<dyn Mapper>, &String)| {
+            let map: &LogOddsGrid = mapper.map();
+            MethodResult::of(name, map, reference.as_ref(), tolerances)
+        };
+        RunResult {
+            methods: self.mappers.iter().zip(&self.plan.info.methods).map(result).collect(),
+            frames: self.plan.info.frames.len(),
+            without_laser: self.without_laser.clone(),
+            wall_ms: self.clock.now_ms() - start,
+            times: self.times.clone(),
+        }
+    }
+}
+
+/// A disparity image that comes from elsewhere.
+fn read_matching(dir: &str, frame: &Frame) -> Result<Matching> {
+    let path = std::path::Path::new(dir).join(png_name(frame));
+    let disparity = read_disparity_png(&path)?;
+    let (width, height) = (disparity.width(), disparity.height());
+    if (width, height) != (frame.rig().width, frame.rig().height) {
+        let rig = frame.rig();
+        anyhow::bail!(
+            "disparity image: expected {}x{} like the left image, found {width}x{height}: {}",
+            rig.width,
+            rig.height,
+            path.display()
+        );
+    }
+    Ok(Matching { matches: Matches::from_disparity(disparity), volume: None })
+}
+
+/// Name of a frame's disparity image, as KITTI numbers its files.
+fn png_name(frame: &Frame) -> String {
+    format!("{:010}.png", frame.index())
+}
