@@ -14,7 +14,9 @@ pub enum CoreError {
         found: usize,
     },
     /// Two images of one pair, or an image and its rig, that differ in size.
-    #[error("image sizes differ: expected {expected_width}x{expected_height}, found {width}x{height} ({what})")]
+    #[error(
+        "image sizes differ: expected {expected_width}x{expected_height}, found {width}x{height} ({what})"
+    )]
     Size {
         /// The image at fault.
         what: &'static str,

@@ -141,15 +141,18 @@ impl Config {
             let origin = path.display().to_string();
             let text = std::fs::read_to_string(path)
                 .map_err(|source| ConfigError::Io { path: origin.clone(), source })?;
-            let given = text
-                .parse::<Table>()
-                .map_err(|e| ConfigError::Syntax { origin: origin.clone(), message: syntax_error(&text, &e) })?;
+            let given = text.parse::<Table>().map_err(|e| ConfigError::Syntax {
+                origin: origin.clone(),
+                message: syntax_error(&text, &e),
+            })?;
             overlay(&mut table, given, &origin, "")?;
         }
         for set in sets {
             overlay(&mut table, parse_set(set)?, &format!("--set {set}"), "")?;
         }
-        Value::Table(table).try_into().map_err(|e: toml::de::Error| ConfigError::Value(one_line(&e.to_string())))
+        Value::Table(table)
+            .try_into()
+            .map_err(|e: toml::de::Error| ConfigError::Value(one_line(&e.to_string())))
     }
 
     /// The settings as TOML, to be fed back in.
@@ -195,8 +198,10 @@ fn nearest(key: &str, section: &str, known: &Table) -> String {
 
 /// `a.b=value` as the table `a = { b = value }`.
 fn parse_set(set: &str) -> Result<Table, ConfigError> {
-    let syntax = |message: &str| ConfigError::Syntax { origin: format!("--set {set}"), message: message.into() };
-    let (key, text) = set.split_once('=').ok_or_else(|| syntax("expected SECTION.KEY=VALUE, found no `=`"))?;
+    let syntax =
+        |message: &str| ConfigError::Syntax { origin: format!("--set {set}"), message: message.into() };
+    let (key, text) =
+        set.split_once('=').ok_or_else(|| syntax("expected SECTION.KEY=VALUE, found no `=`"))?;
     let (key, text) = (key.trim(), text.trim());
     if key.is_empty() || key.split('.').any(str::is_empty) {
         return Err(syntax("expected SECTION.KEY before the `=`"));
@@ -285,7 +290,9 @@ mod tests {
         std::fs::write(&path, "[stereo]\nwindow = \n").unwrap();
         let message = Config::load(Some(&path), &[]).unwrap_err().to_string();
         assert!(message.contains("my.toml: line 2"), "{message}");
-        assert!(Config::load(Some(&dir.path().join("none.toml")), &[]).unwrap_err().to_string().contains("none"));
+        assert!(
+            Config::load(Some(&dir.path().join("none.toml")), &[]).unwrap_err().to_string().contains("none")
+        );
     }
 
     proptest! {

@@ -64,13 +64,19 @@ pub(crate) struct Array {
 
 impl<'a> Npz<'a> {
     pub fn new(bytes: &'a [u8]) -> Result<Self> {
-        let zip = ZipArchive::new(Cursor::new(bytes)).context("expected an npz file (a zip of npy arrays)")?;
+        let zip =
+            ZipArchive::new(Cursor::new(bytes)).context("expected an npz file (a zip of npy arrays)")?;
         Ok(Self { zip })
     }
 
     /// Reads an array of numbers.
     pub fn array(&mut self, name: &str) -> Result<Array> {
-        let known = self.zip.file_names().filter_map(|n| n.ok().map(|n| n.into_owned())).collect::<Vec<_>>().join(", ");
+        let known = self
+            .zip
+            .file_names()
+            .filter_map(|n| n.ok().map(|n| n.into_owned()))
+            .collect::<Vec<_>>()
+            .join(", ");
         let Ok(entry) = self.zip.by_name(&format!("{name}.npy")) else {
             bail!("expected an array `{name}`, found {known}");
         };

@@ -106,8 +106,9 @@ pub fn open_dataset(name: &str) -> Result<Box<dyn Sequence>> {
         );
     };
     let dir = known.dir_below(&data_root());
-    evigrid_replay::open(&dir)
-        .with_context(|| format!("data set {name} is not here (scripts/download_datasets.sh {name} fetches it)"))
+    evigrid_replay::open(&dir).with_context(|| {
+        format!("data set {name} is not here (scripts/download_datasets.sh {name} fetches it)")
+    })
 }
 
 /// Frame numbers `A..B`; either end may be missing.

@@ -6,8 +6,10 @@ use evigrid_replay::{read_disparity_png, write_disparity_png};
 use evigrid_stereo::{BlockMatcher, Matching};
 use evigrid_truth::LaserTruth;
 
-use crate::{Clock, MethodResult, MethodStep, Observer, Plan, ResultsFolder, RunResult, Scores, StageTime, Step};
 use crate::prefetch::read_ahead;
+use crate::{
+    Clock, MethodResult, MethodStep, Observer, Plan, ResultsFolder, RunResult, Scores, StageTime, Step,
+};
 
 /// Runs the plan: every frame is matched once, mapped by every method, added to the reference, scored and shown to
 /// the observers. Then the maps and the reference are written.
@@ -26,8 +28,7 @@ pub fn evaluate(
     let start = clock.now_ms();
     let mut run = Run::new(plan, clock, folder)?;
     std::thread::scope(|scope| -> Result<()> {
-        let frames =
-            read_ahead(scope, plan.sequence.as_ref(), &plan.info.frames, plan.map_from_world, clock);
+        let frames = read_ahead(scope, plan.sequence.as_ref(), &plan.info.frames, plan.map_from_world, clock);
         for (position, read) in frames.iter().enumerate() {
             let (frame, read_ms) = read?;
             run.step(position, &frame, read_ms, observers)?;

@@ -20,8 +20,7 @@ pub fn score_map_file(
     let mut truth = LaserTruth::new(plan.info.spec, plan.info.config.truth)?;
     let mut without_laser = Vec::new();
     std::thread::scope(|scope| -> Result<()> {
-        let frames =
-            read_ahead(scope, plan.sequence.as_ref(), &plan.info.frames, plan.map_from_world, clock);
+        let frames = read_ahead(scope, plan.sequence.as_ref(), &plan.info.frames, plan.map_from_world, clock);
         for read in frames {
             let (frame, _) = read?;
             match frame.laser() {
@@ -31,8 +30,7 @@ pub fn score_map_file(
         }
         Ok(())
     })?;
-    let reference =
-        Reference { spec: truth.spec(), occupied: truth.occupied(), observed: truth.observed() };
+    let reference = Reference { spec: truth.spec(), occupied: truth.occupied(), observed: truth.observed() };
     let reference = (truth.scans() > 0).then_some(&reference).with_context(|| {
         format!("{}: expected laser scans to score against, found none", plan.info.dataset)
     })?;

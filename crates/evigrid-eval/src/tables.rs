@@ -12,8 +12,8 @@ use evigrid_truth::LaserTruth;
 use serde_json::json;
 
 use crate::{
-    MethodResult, MethodStep, Observer, OutputSettings, PendingFile, ResultsFolder, RunInfo, RunResult, Scores, StageTime, Step,
-    peak_memory_mib, write_map, write_truth,
+    MethodResult, MethodStep, Observer, OutputSettings, PendingFile, ResultsFolder, RunInfo, RunResult,
+    Scores, StageTime, Step, peak_memory_mib, write_map, write_truth,
 };
 
 /// Writes the tables of a run. All files are opened before the first frame and get their names after the last one.
@@ -126,12 +126,7 @@ impl Observer for TableWriter {
         write_rows(&mut self.tables()?.timing, rows)
     }
 
-    fn end(
-        &mut self,
-        result: &RunResult,
-        maps: &[&LogOddsGrid],
-        truth: Option<&LaserTruth>,
-    ) -> Result<()> {
+    fn end(&mut self, result: &RunResult, maps: &[&LogOddsGrid], truth: Option<&LaserTruth>) -> Result<()> {
         let tables = self.tables.take().context("the tables of this run are already complete")?;
         tables.finish(&self.info, result, maps, truth)
     }
@@ -144,9 +139,12 @@ const COUNT_COLUMNS: [&str; 7] =
 fn score_columns(info: &RunInfo) -> Vec<String> {
     let more =
         ["true_cells", "observed_cells", "missed_unknown", "touched", "precision_observed", "f1_observed"];
-    let tolerant = info.config.score.tolerances_m.iter().flat_map(|t| {
-        ["accuracy", "completeness", "f_score"].map(|name| format!("{name}_{t}m"))
-    });
+    let tolerant = info
+        .config
+        .score
+        .tolerances_m
+        .iter()
+        .flat_map(|t| ["accuracy", "completeness", "f_score"].map(|name| format!("{name}_{t}m")));
     COUNT_COLUMNS.iter().chain(&more).map(|s| (*s).to_owned()).chain(tolerant).collect()
 }
 
@@ -245,7 +243,8 @@ pub fn markdown_summary(info: &RunInfo, result: &RunResult) -> String {
         "The laser says: {} occupied cells, {} observed.\n",
         scores.true_cells, scores.observed_cells
     );
-    let tolerances: String = scores.tolerant.iter().map(|t| format!(" F within {} m |", t.tolerance_m)).collect();
+    let tolerances: String =
+        scores.tolerant.iter().map(|t| format!(" F within {} m |", t.tolerance_m)).collect();
     let _ = writeln!(
         text,
         "| method | hits | mistakes | of them observed | missed | precision | recall | F1 |{tolerances} curve area |"
@@ -322,13 +321,12 @@ fn settings_hash(info: &RunInfo) -> Result<String> {
 
 /// FNV-1a, 64 bits: tells whether two runs had the same settings.
 fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &b| (hash ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3))
+    bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, &b| (hash ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-fn write_rows(
-    writer: &mut Writer<PendingFile>,
-    rows: impl IntoIterator<Item = Vec<String>>,
-) -> Result<()> {
+fn write_rows(writer: &mut Writer<PendingFile>, rows: impl IntoIterator<Item = Vec<String>>) -> Result<()> {
     let failed = writer.get_ref().failed();
     for row in rows {
         writer.write_record(row).with_context(|| failed.clone())?;

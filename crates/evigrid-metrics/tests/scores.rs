@@ -57,7 +57,8 @@ fn the_curve_by_hand() {
 #[test]
 fn the_area_is_cut_where_mistakes_outnumber_the_truth() {
     // One true cell found at 2, together with four mistakes: the line to (4, 1) is cut at one mistake.
-    let reference = Reference { spec: &spec(), occupied: &[true, false, false, false, false], observed: &[true; 5] };
+    let reference =
+        Reference { spec: &spec(), occupied: &[true, false, false, false, false], observed: &[true; 5] };
     let curve = curve(&[2.05; 5], &reference);
     assert!((curve.area() - 0.5 * 0.25).abs() < 1e-12, "{}", curve.area());
 }

@@ -8,7 +8,8 @@ use evigrid_stereo::{BlockMatcher, BlockMatchingSettings};
 /// A textured pair whose disparity grows downwards, as on a road.
 fn pair(width: usize, height: usize) -> (GrayImage, GrayImage) {
     let noise = |x: usize, y: usize| {
-        let mut h = (x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (y as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
+        let mut h =
+            (x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (y as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
         h = (h ^ (h >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         (h >> 56) as u8
     };

@@ -263,10 +263,7 @@ impl Buffers {
                 },
                 volume.map(CostVolume::into_costs),
             ),
-            None => (
-                Self { disparity: vec![], peak_ratio: vec![], left_right: vec![], volume: None },
-                None,
-            ),
+            None => (Self { disparity: vec![], peak_ratio: vec![], left_right: vec![], volume: None }, None),
         };
         let pixels = job.width() * job.left.height();
         out.disparity.resize(pixels, f32::NAN);

@@ -38,12 +38,7 @@ impl BlockMatchingSettings {
         )?;
         let count = self.disparities;
         require((1..=4096).contains(&count), "disparities", "a number from 1 to 4096", count)?;
-        require(
-            self.min_disparity <= 4096,
-            "min_disparity",
-            "a number from 0 to 4096",
-            self.min_disparity,
-        )?;
+        require(self.min_disparity <= 4096, "min_disparity", "a number from 0 to 4096", self.min_disparity)?;
         Ok(self)
     }
 
