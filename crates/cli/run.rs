@@ -61,14 +61,8 @@ fn recorder(plan: &Plan, _: &ResultsFolder) -> Result<Option<Box<dyn Observer>>>
 /// One line on how fast the run was; the stages' times are means over the frames.
 fn speed(result: &RunResult) -> String {
     let frames = result.frames as f64;
-    let mut stages: Vec<(&str, f64)> = Vec::new();
-    for time in &result.times {
-        match stages.iter_mut().find(|(stage, _)| *stage == time.stage) {
-            Some((_, sum)) => *sum += time.ms,
-            None => stages.push((time.stage, time.ms)),
-        }
-    }
-    let stages: Vec<_> = stages.iter().map(|(stage, sum)| format!("{stage} {:.1}", sum / frames)).collect();
+    let stages: Vec<_> =
+        result.stage_totals.iter().map(|(stage, total)| format!("{stage} {:.1}", total / frames)).collect();
     format!(
         "{:.1} frames per second; ms per frame: {} (reading runs beside the rest).",
         frames / (result.wall_ms / 1e3),

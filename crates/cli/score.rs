@@ -14,7 +14,8 @@ pub fn score(args: &ScoreArgs) -> Result<()> {
     let (scored, outside, without_laser) =
         score_map_file(&plan, &map, &name, &RealClock::default()).map_err(|e| e.context(where_from(args)))?;
     let frames = plan.info.frames.len();
-    let result = RunResult { methods: vec![scored], frames, without_laser, wall_ms: 0.0, times: Vec::new() };
+    let result =
+        RunResult { methods: vec![scored], frames, without_laser, wall_ms: 0.0, stage_totals: Vec::new() };
     print(&markdown_summary(&plan.info, &result))?;
     if outside > 0 {
         print(&format!("\n{outside} voxels of the map lie outside the grid and are not scored.\n"))?;

@@ -72,8 +72,8 @@ pub struct RunResult {
     pub without_laser: Vec<usize>,
     /// Wall time of the whole loop, milliseconds.
     pub wall_ms: f64,
-    /// All stage times.
-    pub times: Vec<StageTime>,
+    /// Stages in the order of a frame, with the sum of their times over all frames and methods, milliseconds.
+    pub stage_totals: Vec<(&'static str, f64)>,
 }
 
 /// Something that follows a run: a table, a recording, a progress bar. All methods do nothing unless written.

@@ -54,9 +54,9 @@ struct Run<'a> {
     mappers: Vec<Box<dyn Mapper>>,
     truth: LaserTruth,
     without_laser: Vec<usize>,
-    /// Stage times of all frames, and where those of the current frame begin.
+    /// Stage times of the current frame, and their sums over all frames.
     times: Vec<StageTime>,
-    frame_times: usize,
+    stage_totals: Vec<(&'static str, f64)>,
 }
 
 impl<'a> Run<'a> {
@@ -73,7 +73,7 @@ impl<'a> Run<'a> {
             truth: LaserTruth::new(plan.info.spec, config.truth)?,
             without_laser: Vec::new(),
             times: Vec::new(),
-            frame_times: 0,
+            stage_totals: Vec::new(),
         })
     }
 
@@ -85,8 +85,8 @@ impl<'a> Run<'a> {
         read_ms: f64,
         observers: &mut [&mut dyn Observer],
     ) -> Result<()> {
-        self.frame_times = self.times.len();
-        self.times.push(StageTime { frame: frame.index(), method: None, stage: "read", ms: read_ms });
+        self.times.clear();
+        self.push_time(StageTime { frame: frame.index(), method: None, stage: "read", ms: read_ms });
         let matching = self.match_pair(frame)?;
         self.integrate(frame, &matching);
         self.add_scan(frame);
@@ -176,14 +176,22 @@ impl<'a> Run<'a> {
         }
         self.time(frame, None, "record", start);
         for observer in observers.iter_mut() {
-            observer.times(&self.times[self.frame_times..])?;
+            observer.times(&self.times)?;
         }
         Ok(())
     }
 
     fn time(&mut self, frame: &Frame, method: Option<usize>, stage: &'static str, start: f64) {
         let ms = self.clock.now_ms() - start;
-        self.times.push(StageTime { frame: frame.index(), method, stage, ms });
+        self.push_time(StageTime { frame: frame.index(), method, stage, ms });
+    }
+
+    fn push_time(&mut self, time: StageTime) {
+        self.times.push(time);
+        match self.stage_totals.iter_mut().find(|(stage, _)| *stage == time.stage) {
+            Some((_, total)) => *total += time.ms,
+            None => self.stage_totals.push((time.stage, time.ms)),
+        }
     }
 
     fn truth_if_any(&self) -> Option<&LaserTruth> {
@@ -210,7 +218,7 @@ impl<'a> Run<'a> {
             frames: self.plan.info.frames.len(),
             without_laser: self.without_laser.clone(),
             wall_ms: self.clock.now_ms() - start,
-            times: self.times.clone(),
+            stage_totals: self.stage_totals.clone(),
         }
     }
 }

@@ -1,6 +1,10 @@
 use evigrid_grid::GridSpec;
+use rayon::prelude::*;
 
 use crate::{harmonic_mean, ratio};
+
+/// Cells per task: enough to hide the cost of starting it, and few enough for 32-bit sums.
+const CELLS_PER_TASK: usize = 1 << 14;
 
 /// What the laser says of each cell, by flat index. All three describe the same grid as the map.
 #[derive(Debug, Clone, Copy)]
@@ -31,6 +35,18 @@ pub struct Counts {
 }
 
 impl Counts {
+    /// The counts of two parts of a map together.
+    fn plus(self, other: Self) -> Self {
+        Self {
+            hits: self.hits + other.hits,
+            mistakes: self.mistakes + other.mistakes,
+            mistakes_observed: self.mistakes_observed + other.mistakes_observed,
+            missed_free: self.missed_free + other.missed_free,
+            missed_unknown: self.missed_unknown + other.missed_unknown,
+            touched: self.touched + other.touched,
+        }
+    }
+
     /// Occupied in the reference, not in the map.
     pub fn missed(&self) -> usize {
         self.missed_free + self.missed_unknown
@@ -64,15 +80,30 @@ impl Counts {
 /// # Panics
 /// Never; cells beyond the shorter of the slices are not counted.
 pub fn count(log_odds: &[f32], reference: &Reference<'_>) -> Counts {
-    let mut counts = Counts::default();
-    for ((&l, &truth), &observed) in log_odds.iter().zip(reference.occupied).zip(reference.observed) {
-        let occupied = l > 0.0;
-        counts.touched += usize::from(!l.is_nan());
-        counts.hits += usize::from(occupied & truth);
-        counts.mistakes += usize::from(occupied & !truth);
-        counts.mistakes_observed += usize::from(occupied & !truth & observed);
-        counts.missed_free += usize::from(!occupied & truth & !l.is_nan());
-        counts.missed_unknown += usize::from(truth & l.is_nan());
+    let cells = log_odds.par_chunks(CELLS_PER_TASK);
+    let truth =
+        reference.occupied.par_chunks(CELLS_PER_TASK).zip(reference.observed.par_chunks(CELLS_PER_TASK));
+    cells
+        .zip(truth)
+        .map(|(log_odds, (occupied, observed))| count_chunk(log_odds, occupied, observed))
+        .reduce(Counts::default, Counts::plus)
+}
+
+/// Counts one chunk, in 32 bits so that the compiler can count many cells at once.
+fn count_chunk(log_odds: &[f32], occupied: &[bool], observed: &[bool]) -> Counts {
+    let mut sums = [0_u32; 6];
+    for ((&l, &truth), &observed) in log_odds.iter().zip(occupied).zip(observed) {
+        let (occupied, unknown) = (l > 0.0, l.is_nan());
+        let flags = [
+            occupied & truth,
+            occupied & !truth,
+            occupied & !truth & observed,
+            !occupied & truth & !unknown,
+            truth & unknown,
+            !unknown,
+        ];
+        (0..6).for_each(|i| sums[i] += u32::from(flags[i]));
     }
-    counts
+    let [hits, mistakes, mistakes_observed, missed_free, missed_unknown, touched] = sums.map(|n| n as usize);
+    Counts { hits, mistakes, mistakes_observed, missed_free, missed_unknown, touched }
 }

@@ -1,6 +1,10 @@
 use evigrid_grid::GridSpec;
+use rayon::prelude::*;
 
 use crate::{Reference, harmonic_mean, ratio};
+
+/// Cells per task: enough to hide the cost of starting it.
+const CELLS_PER_TASK: usize = 1 << 14;
 
 /// Scores that forgive a small distance, as Tanks and Temples (Knapitsch et al. 2017) does for points: much of what
 /// counts as a mistake lies one cell beside the truth.
@@ -21,17 +25,25 @@ pub fn within_tolerance(log_odds: &[f32], reference: &Reference<'_>, tolerance_m
     let ball = Ball::new(reference.spec, tolerance_m);
     let is_true = |cell: usize| reference.occupied[cell];
     let is_occupied = |cell: usize| log_odds[cell] > 0.0;
-    let (mut occupied, mut accurate, mut truths, mut complete) = (0, 0, 0, 0);
-    for cell in 0..log_odds.len().min(reference.occupied.len()) {
-        if is_occupied(cell) {
-            occupied += 1;
-            accurate += usize::from(is_true(cell) || ball.any(cell, is_true));
+    let cells = log_odds.len().min(reference.occupied.len());
+    let judge = |sum: &mut [usize; 4], cell: usize| {
+        let (occupied, truth) = (is_occupied(cell), is_true(cell));
+        if occupied || truth {
+            let accurate = occupied && (truth || ball.any(cell, is_true));
+            let complete = truth && (occupied || ball.any(cell, is_occupied));
+            let flags = [occupied, accurate, truth, complete];
+            (0..4).for_each(|i| sum[i] += usize::from(flags[i]));
         }
-        if is_true(cell) {
-            truths += 1;
-            complete += usize::from(is_occupied(cell) || ball.any(cell, is_occupied));
-        }
-    }
+    };
+    let [occupied, accurate, truths, complete] = (0..cells.div_ceil(CELLS_PER_TASK))
+        .into_par_iter()
+        .map(|task| {
+            let mut sum = [0; 4];
+            let first = task * CELLS_PER_TASK;
+            (first..cells.min(first + CELLS_PER_TASK)).for_each(|cell| judge(&mut sum, cell));
+            sum
+        })
+        .reduce(|| [0; 4], |a, b| std::array::from_fn(|i| a[i] + b[i]));
     let (accuracy, completeness) = (ratio(accurate, occupied), ratio(complete, truths));
     Tolerant { tolerance_m, accuracy, completeness, f_score: harmonic_mean(accuracy, completeness) }
 }

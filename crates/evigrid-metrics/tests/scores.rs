@@ -93,3 +93,46 @@ proptest! {
         prop_assert!(same(found.completeness, completeness), "{} {completeness}", found.completeness);
     }
 }
+
+/// Larger than one task's share, with the occupied cells spread over all tasks.
+#[test]
+fn large_grids_equal_a_plain_loop() {
+    let settings = GridSettings { x_m: [0.0, 8.0], y_m: [0.0, 8.0], z_m: [0.0, 6.0], cell_size_m: 0.2 };
+    let spec = GridSpec::new(&settings).unwrap();
+    let n = spec.cell_count();
+    assert!(n > 40_000);
+    let hash = |i: usize, salt: u64| (i as u64 + salt).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
+    let map: Vec<f32> = (0..n)
+        .map(|i| match hash(i, 1) % 100 {
+            0..2 => 1.5,
+            2..30 => -0.5,
+            _ => f32::NAN,
+        })
+        .collect();
+    let occupied: Vec<bool> = (0..n).map(|i| hash(i, 7) % 100 < 2).collect();
+    let observed: Vec<bool> = (0..n).map(|i| hash(i, 9) % 2 == 0).collect();
+    let reference = Reference { spec: &spec, occupied: &occupied, observed: &observed };
+
+    let counts = count(&map, &reference);
+    let number = |holds: &dyn Fn(usize) -> bool| (0..n).filter(|&i| holds(i)).count();
+    assert_eq!(counts.hits, number(&|i| map[i] > 0.0 && occupied[i]));
+    assert_eq!(counts.mistakes, number(&|i| map[i] > 0.0 && !occupied[i]));
+    assert_eq!(counts.mistakes_observed, number(&|i| map[i] > 0.0 && !occupied[i] && observed[i]));
+    assert_eq!(counts.missed_free, number(&|i| map[i] <= 0.0 && occupied[i]));
+    assert_eq!(counts.missed_unknown, number(&|i| map[i].is_nan() && occupied[i]));
+    assert_eq!(counts.touched, number(&|i| !map[i].is_nan()));
+
+    let near = |from: &[usize], to: &[usize]| {
+        let distance = |a: usize, b: usize| {
+            let (a, b) = (spec.centre_m(a), spec.centre_m(b));
+            (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+        };
+        let found = from.iter().filter(|&&a| to.iter().any(|&b| distance(a, b) <= 0.4 + 1e-9)).count();
+        found as f64 / from.len() as f64
+    };
+    let ours: Vec<usize> = (0..n).filter(|&i| map[i] > 0.0).collect();
+    let truths: Vec<usize> = (0..n).filter(|&i| occupied[i]).collect();
+    let tolerant = within_tolerance(&map, &reference, 0.4);
+    assert_eq!(tolerant.accuracy, near(&ours, &truths));
+    assert_eq!(tolerant.completeness, near(&truths, &ours));
+}
