@@ -27,43 +27,36 @@ pub struct MapFile {
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn write_map(file: PendingFile, map: &LogOddsGrid) -> Result<()> {
-    let failed = file.failed();
+pub fn write_map(mut file: PendingFile, map: &LogOddsGrid) -> Result<()> {
     let (cells, log_odds): (Vec<usize>, Vec<f32>) = map.touched().unzip();
-    let mut npz = NpzWriter::new(file);
-    write_indices(&mut npz, "indices", map.spec(), &cells)
-        .and_then(|()| npz.array("log_odds", &[log_odds.len() as u64], &log_odds))
-        .and_then(|()| write_geometry(&mut npz, map.spec()))
-        .with_context(|| failed.clone())?;
-    npz.finish().with_context(|| failed)?.commit()
+    let mut npz = NpzWriter::new();
+    write_indices(&mut npz, "indices", map.spec(), &cells)?;
+    npz.array("log_odds", &[log_odds.len() as u64], &log_odds)?;
+    write_geometry(&mut npz, map.spec())?;
+    file.write_all(&npz.finish()?).with_context(|| file.failed())?;
+    file.commit()
 }
 
 /// Writes the reference as npz: `occupied`, `observed` int32 [N,3], `origin`, `cell_size`.
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn write_truth(file: PendingFile, truth: &LaserTruth) -> Result<()> {
-    let failed = file.failed();
-    let mut npz = NpzWriter::new(file);
+pub fn write_truth(mut file: PendingFile, truth: &LaserTruth) -> Result<()> {
     let marked = |cells: &[bool]| (0..cells.len()).filter(|&i| cells[i]).collect::<Vec<_>>();
-    write_indices(&mut npz, "occupied", truth.spec(), &marked(truth.occupied()))
-        .and_then(|()| write_indices(&mut npz, "observed", truth.spec(), &marked(truth.observed())))
-        .and_then(|()| write_geometry(&mut npz, truth.spec()))
-        .with_context(|| failed.clone())?;
-    npz.finish().with_context(|| failed)?.commit()
+    let mut npz = NpzWriter::new();
+    write_indices(&mut npz, "occupied", truth.spec(), &marked(truth.occupied()))?;
+    write_indices(&mut npz, "observed", truth.spec(), &marked(truth.observed()))?;
+    write_geometry(&mut npz, truth.spec())?;
+    file.write_all(&npz.finish()?).with_context(|| file.failed())?;
+    file.commit()
 }
 
-fn write_indices<W: Write + std::io::Seek>(
-    npz: &mut NpzWriter<W>,
-    name: &str,
-    spec: &GridSpec,
-    cells: &[usize],
-) -> Result<()> {
+fn write_indices(npz: &mut NpzWriter, name: &str, spec: &GridSpec, cells: &[usize]) -> Result<()> {
     let indices: Vec<i32> = cells.iter().flat_map(|&flat| spec.voxel(flat).map(|v| v as i32)).collect();
     npz.array(name, &[cells.len() as u64, 3], &indices)
 }
 
-fn write_geometry<W: Write + std::io::Seek>(npz: &mut NpzWriter<W>, spec: &GridSpec) -> Result<()> {
+fn write_geometry(npz: &mut NpzWriter, spec: &GridSpec) -> Result<()> {
     npz.array("origin", &[3], &spec.origin_m())?;
     npz.array("cell_size", &[], &[spec.cell_size_m()])
 }
@@ -159,7 +152,6 @@ mod tests {
     use super::*;
     use evigrid_grid::GridSettings;
     use proptest::prelude::*;
-    use std::io::Cursor;
 
     fn spec() -> GridSpec {
         let settings = GridSettings { x_m: [0.0, 2.0], y_m: [-1.0, 1.0], z_m: [-0.4, 0.4], cell_size_m: 0.2 };
@@ -215,12 +207,12 @@ mod tests {
     type Arrays<'a> = (&'a [u64], &'a [i32], &'a [u64], &'a [f32], &'a [f64], &'a [f64]);
 
     fn npz((index_shape, indices, l_shape, l, origin, cell_size): Arrays<'_>) -> Vec<u8> {
-        let mut npz = NpzWriter::new(Cursor::new(Vec::new()));
+        let mut npz = NpzWriter::new();
         npz.array("indices", index_shape, indices).unwrap();
         npz.array("log_odds", l_shape, l).unwrap();
         npz.array("origin", &[origin.len() as u64], origin).unwrap();
         npz.array("cell_size", &[cell_size.len() as u64], cell_size).unwrap();
-        npz.finish().unwrap().into_inner()
+        npz.finish().unwrap()
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The npz container: a zip file of npy arrays.
 
-use std::io::{Cursor, Read, Seek, Write};
+use std::io::{Cursor, Read, Write};
 
 use anyhow::{Context, Result, bail};
 use npyz::WriterBuilder;
@@ -10,14 +10,14 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 /// Arrays larger than this are refused when read (a header may claim anything).
 const MAX_ARRAY_BYTES: u64 = 8 << 30;
 
-/// Writes arrays into an npz, one after the other.
-pub(crate) struct NpzWriter<W: Write + Seek> {
-    zip: ZipWriter<W>,
+/// Builds an npz in memory, array by array: the zip writer itself never meets a full disk.
+pub(crate) struct NpzWriter {
+    zip: ZipWriter<Cursor<Vec<u8>>>,
 }
 
-impl<W: Write + Seek> NpzWriter<W> {
-    pub fn new(writer: W) -> Self {
-        Self { zip: ZipWriter::new(writer) }
+impl NpzWriter {
+    pub fn new() -> Self {
+        Self { zip: ZipWriter::new(Cursor::new(Vec::new())) }
     }
 
     /// Adds an array in C order.
@@ -43,9 +43,9 @@ impl<W: Write + Seek> NpzWriter<W> {
         Ok(())
     }
 
-    /// Ends the file and gives the writer back.
-    pub fn finish(self) -> Result<W> {
-        Ok(self.zip.finish()?)
+    /// The bytes of the file.
+    pub fn finish(self) -> Result<Vec<u8>> {
+        Ok(self.zip.finish()?.into_inner())
     }
 }
 
