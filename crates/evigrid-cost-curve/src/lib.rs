@@ -2,8 +2,13 @@
 //! grids". Here: the winner-take-all baseline of the paper, with Elfes' inverse sensor model.
 
 mod elfes;
+mod free_space;
 mod profile;
+mod rays;
+mod reach;
+mod sections;
 mod settings;
+mod silhouette;
 mod winner_take_all;
 
 pub use elfes::{occupancy, occupancy_from_weights};

@@ -97,6 +97,11 @@ impl ProfileTable {
         table
     }
 
+    /// The key of a cell that is simply free: the lower bound.
+    pub fn free(&self) -> i32 {
+        self.free
+    }
+
     /// The profile for a deviation in cells.
     #[inline]
     pub fn profile(&self, deviation_cells: f32) -> Profile<'_> {
@@ -119,6 +124,14 @@ impl Profile<'_> {
         self.keys.len() as i32 - self.behind
     }
 
+    /// The keys of a ray's cells one after the other, from the one `steps` in front of the measured cell (less than
+    /// [`Self::in_front`]) to the last one behind it. None if `steps` is already behind that.
+    #[inline]
+    pub fn keys_from(&self, steps: i32) -> impl Iterator<Item = &i32> {
+        let count = (steps + self.behind + 1).clamp(0, self.keys.len() as i32);
+        self.keys[..count as usize].iter().rev()
+    }
+
     /// The key of the cell `steps` in front of the measured one (negative: behind it); `steps` is at least
     /// `-behind()`.
     #[inline]
@@ -137,8 +150,9 @@ mod tests {
         for deviation in [0.3_f64, 1.0, 5_f64.sqrt(), 4.0] {
             let profile = GaussianProfile::new(deviation);
             let r = 200;
-            let g: Vec<f64> =
-                (1..=300).map(|j| (-f64::from(j - r).powi(2) / (2.0 * deviation * deviation)).exp()).collect();
+            let g: Vec<f64> = (1..=300)
+                .map(|j| (-f64::from(j - r).powi(2) / (2.0 * deviation * deviation)).exp())
+                .collect();
             for (j, p) in (1..=300).zip(occupancy(&g)) {
                 let found = profile.at(i64::from(r - j));
                 assert!((found - p).abs() < 1e-9, "deviation {deviation}, cell {j}: {found}, expected {p}");

@@ -46,6 +46,12 @@ impl FrameEvidence {
         }
     }
 
+    /// Whether no ray has met a cell so far.
+    #[inline]
+    pub fn is_empty(&self, flat: usize) -> bool {
+        self.keys[flat].load(Ordering::Relaxed) == NONE
+    }
+
     /// The evidence for a cell so far; `None` if no ray met it.
     pub fn get(&self, flat: usize) -> Option<f32> {
         Some(self.keys[flat].load(Ordering::Relaxed)).filter(|&k| k != NONE).map(Self::log_odds)
@@ -58,8 +64,9 @@ impl FrameEvidence {
         let values = map.values_mut().par_chunks_mut(CELLS_PER_TASK);
         keys.zip(values).for_each(|(keys, values)| {
             for (slot, value) in keys.iter_mut().zip(values) {
-                let key = std::mem::replace(slot.get_mut(), NONE);
+                let key = *slot.get_mut();
                 if key != NONE {
+                    *slot.get_mut() = NONE;
                     let before = if value.is_nan() { 0.0 } else { *value };
                     *value = (before + Self::log_odds(key)).clamp(clamp.min, clamp.max);
                 }
@@ -70,6 +77,7 @@ impl FrameEvidence {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::{GridSettings, GridSpec};
 

@@ -11,4 +11,4 @@ pub use evidence::FrameEvidence;
 pub use log_odds::{Belief, Clamp, LogOddsGrid, logit, probability};
 pub use mapper::{Mapper, View};
 pub use ray_walk::RayWalk;
-pub use spec::{GridError, GridSettings, GridSpec};
+pub use spec::{GridError, GridSettings, GridSpec, cell_index};

@@ -88,6 +88,7 @@ impl LogOddsGrid {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::GridSettings;
 

@@ -1,4 +1,4 @@
-use crate::GridSpec;
+use crate::{GridSpec, cell_index};
 
 /// The voxels of a grid that a straight segment passes, in order (Amanatides and Woo 1987).
 ///
@@ -10,8 +10,8 @@ pub struct RayWalk {
     flat: isize,
     /// Cells still to visit within the grid.
     left_in_grid: u32,
-    /// Steps from the current cell to the segment's last cell.
-    steps_to_end: i32,
+    /// Steps from the current cell to the one that steps are counted to.
+    steps_to_goal: i32,
     axes: [Axis; 3],
 }
 
@@ -21,8 +21,6 @@ struct Axis {
     next_face: f64,
     /// Parameter between two faces.
     face_spacing: f64,
-    /// Faces left to cross within the grid.
-    faces: u32,
     /// Signed change of the flat index.
     stride: isize,
 }
@@ -35,68 +33,107 @@ impl RayWalk {
     }
 
     /// The same for points in units of cells from the grid's lower corner ([`GridSpec::to_cells`]).
+    #[inline]
     pub fn in_cells(spec: &GridSpec, from: [f64; 3], to: [f64; 3]) -> Self {
+        Self::towards(spec, from, to, to.map(cell_index))
+    }
+
+    /// The same, with steps counted to the cell with the indices `goal` instead of the last one. The segment's line
+    /// must meet that cell; behind it steps are negative. Indices as [`cell_index`] makes them.
+    #[inline(always)]
+    pub fn towards(spec: &GridSpec, from: [f64; 3], to: [f64; 3], goal: [i64; 3]) -> Self {
         let direction: [f64; 3] = std::array::from_fn(|a| to[a] - from[a]);
-        let Some((enter, leave)) = clip(spec.shape(), from, direction) else { return Self::empty() };
-        let (mut flat, mut steps_to_end, mut faces_in_grid) = (0, 0_i64, 0);
+        let inverse = direction.map(f64::recip);
+        let (start_cell, end_cell) = (from.map(cell_index), to.map(cell_index));
+        let shape = spec.shape();
+        let (first, last, leave) = if within(shape, start_cell) && within(shape, end_cell) {
+            (start_cell, end_cell, 1.0)
+        } else {
+            let Some((enter, leave)) = clip(shape, from, direction) else { return Self::empty() };
+            let cell_at = |a: usize, t: f64| cell_index(from[a] + t * direction[a]);
+            let first = std::array::from_fn(|a| if enter > 0.0 { cell_at(a, enter) } else { start_cell[a] });
+            let last = std::array::from_fn(|a| if leave < 1.0 { cell_at(a, leave) } else { end_cell[a] });
+            (clamp(shape, first), clamp(shape, last), leave)
+        };
+        let (mut flat, mut steps_to_goal, mut faces_in_grid) = (0, 0_i64, 0);
         let strides = spec.strides();
         let mut axes = [Axis::default(); 3];
         for a in 0..3 {
-            let last = spec.shape()[a] as i64 - 1;
-            let cell_at = |t: f64| ((from[a] + t * direction[a]).floor() as i64).clamp(0, last);
-            let first_cell = if enter > 0.0 { cell_at(enter) } else { (from[a].floor() as i64).clamp(0, last) };
-            let end_cell = to[a].floor() as i64;
-            let last_cell = if leave < 1.0 { cell_at(leave) } else { end_cell.clamp(0, last) };
+            // A segment too short to move along an axis at all heads for the goal.
+            let forward = (direction[a] > 0.0) | ((direction[a] == 0.0) & (goal[a] > first[a]));
+            let ahead = last[a] - first[a];
             // Rounding at a face must not make the walk run backwards.
-            let faces = ((last_cell - first_cell) * sign(direction[a])).max(0) as u32;
-            let face = if direction[a] > 0.0 { first_cell + 1 } else { first_cell };
+            let faces = (if forward { ahead } else { -ahead }).max(0) as u32;
+            let next_face = ((first[a] + i64::from(forward)) as f64 - from[a]) * inverse[a];
+            let stride = strides[a] as isize;
             axes[a] = Axis {
-                next_face: if faces > 0 { (face as f64 - from[a]) / direction[a] } else { f64::INFINITY },
-                face_spacing: direction[a].abs().recip(),
-                faces,
-                stride: strides[a] as isize * sign(direction[a]) as isize,
+                next_face: if faces > 0 { next_face } else { f64::INFINITY },
+                face_spacing: inverse[a].abs(),
+                stride: if forward { stride } else { -stride },
             };
-            flat += first_cell as isize * strides[a] as isize;
-            steps_to_end += (end_cell - first_cell).abs();
+            axes[a].end_after(leave, faces);
+            flat += first[a] as isize * stride;
+            let to_goal = goal[a] - first[a];
+            steps_to_goal += if forward { to_goal } else { -to_goal };
             faces_in_grid += faces;
         }
-        let steps_to_end = i32::try_from(steps_to_end).unwrap_or(i32::MAX);
-        Self { flat, left_in_grid: faces_in_grid + 1, steps_to_end, axes }
+        let steps_to_goal = steps_to_goal.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+        Self { flat, left_in_grid: faces_in_grid + 1, steps_to_goal, axes }
     }
 
     fn empty() -> Self {
-        Self { flat: 0, left_in_grid: 0, steps_to_end: 0, axes: [Axis::default(); 3] }
+        Self { flat: 0, left_in_grid: 0, steps_to_goal: 0, axes: [Axis::default(); 3] }
     }
 
-    /// Crosses the nearest face; ties go to the first axis.
+    /// Steps from the cell that comes next to the segment's last cell, or to the goal.
     #[inline]
+    pub fn steps(&self) -> i32 {
+        self.steps_to_goal
+    }
+
+    /// Crosses the nearest face; ties go to the first axis. Which face comes next is as good as random, so there is
+    /// nothing here for a processor to mispredict.
+    #[inline(always)]
     fn step(&mut self) {
-        let [x, y, z] = &self.axes;
-        let a = if x.next_face <= y.next_face {
-            if x.next_face <= z.next_face { 0 } else { 2 }
-        } else if y.next_face <= z.next_face {
-            1
-        } else {
-            2
-        };
-        let axis = &mut self.axes[a];
-        self.flat += axis.stride;
-        self.steps_to_end -= 1;
-        axis.faces = axis.faces.wrapping_sub(1);
-        axis.next_face = if axis.faces == 0 { f64::INFINITY } else { axis.next_face + axis.face_spacing };
+        let [x, y, z] = &mut self.axes;
+        let x_first = (x.next_face <= y.next_face) & (x.next_face <= z.next_face);
+        let y_first = !x_first & (y.next_face <= z.next_face);
+        self.flat += x.cross_if(x_first) + y.cross_if(y_first) + z.cross_if(!(x_first | y_first));
+        self.steps_to_goal -= 1;
+    }
+}
+
+impl Axis {
+    /// Makes sure that the face after the last that is crossed comes after `leave`, at which the walk ends, whatever
+    /// rounding says: moves the faces by less than 1e-10 of the segment if need be.
+    #[inline]
+    fn end_after(&mut self, leave: f64, faces: u32) {
+        let past_last = self.next_face + f64::from(faces) * self.face_spacing;
+        if past_last < leave + 0.5e-10 {
+            self.face_spacing += 1e-10 / f64::from(faces.max(1));
+        }
+    }
+
+    /// Crosses the next face if `first`; the change of the flat index.
+    #[inline(always)]
+    fn cross_if(&mut self, first: bool) -> isize {
+        let mask = -i64::from(first);
+        self.next_face += f64::from_bits(self.face_spacing.to_bits() & mask as u64);
+        self.stride & mask as isize
     }
 }
 
 impl Iterator for RayWalk {
-    /// Flat index of the cell, and how many steps it is away from the cell that holds the segment's end (0 there).
+    /// Flat index of the cell, and how many steps it is away from the cell that holds the segment's end (0 there), or
+    /// from the goal.
     type Item = (usize, i32);
 
-    #[inline]
+    #[inline(always)]
     fn next(&mut self) -> Option<Self::Item> {
         if self.left_in_grid == 0 {
             return None;
         }
-        let item = (self.flat as usize, self.steps_to_end);
+        let item = (self.flat as usize, self.steps_to_goal);
         self.left_in_grid -= 1;
         if self.left_in_grid > 0 {
             self.step();
@@ -127,22 +164,23 @@ fn clip(shape: [usize; 3], from: [f64; 3], direction: [f64; 3]) -> Option<(f64, 
         leave = leave.min(low.max(high));
     }
     // A segment that only touches the grid's face or edge crosses no cell.
-    let inside = enter < leave || (enter == leave && (0..3).all(|a| from[a] >= 0.0 && from[a] < shape[a] as f64));
+    let inside =
+        enter < leave || (enter == leave && (0..3).all(|a| from[a] >= 0.0 && from[a] < shape[a] as f64));
     inside.then_some((enter, leave))
 }
 
-fn sign(v: f64) -> i64 {
-    if v > 0.0 {
-        1
-    } else if v < 0.0 {
-        -1
-    } else {
-        0
-    }
+#[inline]
+fn within(shape: [usize; 3], cell: [i64; 3]) -> bool {
+    (0..3).all(|a| (0..shape[a] as i64).contains(&cell[a]))
+}
+
+fn clamp(shape: [usize; 3], cell: [i64; 3]) -> [i64; 3] {
+    std::array::from_fn(|a| cell[a].clamp(0, shape[a] as i64 - 1))
 }
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::GridSettings;
     use proptest::prelude::*;
@@ -235,6 +273,11 @@ mod tests {
         let walk: Vec<_> = RayWalk::in_cells(&spec(), [6.5, 0.5, 0.5], [20.5, 0.5, 0.5]).collect();
         assert_eq!(walk.iter().map(|w| w.1).collect::<Vec<_>>(), [14, 13]);
         assert_eq!(RayWalk::in_cells(&spec(), [9.0, 0.5, 0.5], [20.5, 0.5, 0.5]).count(), 0);
+        let to_goal = RayWalk::towards(&spec(), [1.5, 0.5, 0.5], [4.5, 0.5, 0.5], [3, 0, 0]);
+        assert_eq!(to_goal.map(|w| w.1).collect::<Vec<_>>(), [2, 1, 0, -1]);
+        for goal in [[3, 0, 0], [1, 1, 1]] {
+            assert_eq!(RayWalk::towards(&spec(), [1.5, 0.5, 0.5], [1.5, 0.5, 0.5], goal).steps(), 2);
+        }
         let point: Vec<_> = RayWalk::in_cells(&spec(), [1.5, 1.5, 1.5], [1.5, 1.5, 1.5]).collect();
         assert_eq!(point, [(24 + 4 + 1, 0)]);
     }

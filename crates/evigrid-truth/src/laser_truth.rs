@@ -58,10 +58,12 @@ impl LaserTruth {
         self.evidence.fuse_into(&mut self.log_odds, self.settings.clamp());
         let above = self.settings.occupied_above;
         let marks = self.occupied.par_iter_mut().zip(self.observed.par_iter_mut());
-        marks.zip(self.log_odds.values()).with_min_len(CELLS_PER_TASK).for_each(|((occupied, observed), l)| {
-            *occupied |= *l > above;
-            *observed = !l.is_nan();
-        });
+        marks.zip(self.log_odds.values()).with_min_len(CELLS_PER_TASK).for_each(
+            |((occupied, observed), l)| {
+                *occupied |= *l > above;
+                *observed = !l.is_nan();
+            },
+        );
         self.scans += 1;
     }
 

@@ -108,7 +108,8 @@ fn a_cell_that_was_once_occupied_stays_so() {
 
 #[test]
 fn rays_that_are_too_short_or_too_long() {
-    let mut truth = LaserTruth::new(spec(), TruthSettings { max_range_m: 4.0, ..Default::default() }).unwrap();
+    let mut truth =
+        LaserTruth::new(spec(), TruthSettings { max_range_m: 4.0, ..Default::default() }).unwrap();
     truth.add_scan(&LaserScan::new(vec![[0.9, 0.1, 0.1]], Pose::identity()).unwrap());
     assert_eq!(truth.log_odds().touched().count(), 0);
     truth.add_scan(&LaserScan::new(vec![[50.0, 0.1, 0.1]], Pose::identity()).unwrap());

@@ -1,0 +1,111 @@
+//! The sections of the rays around their measured cells, where Elfes' profile is more than simply free.
+
+use evigrid_core::Matches;
+use evigrid_grid::{FrameEvidence, RayWalk, cell_index};
+use multiversion::multiversion;
+
+use crate::rays::Rays;
+use crate::reach::{NO_REACH, ReachImage};
+use crate::{Deviation, Profile, ProfileTable, WinnerTakeAllSettings};
+
+/// What turns a disparity into evidence.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct InverseModel<'a> {
+    pub settings: &'a WinnerTakeAllSettings,
+    pub profiles: &'a ProfileTable,
+}
+
+/// Offers the profile of every believable match to the cells around the measured one, and sets how far in front of
+/// them the rays are simply free.
+pub(crate) fn draw_sections(
+    rays: &Rays<'_>,
+    model: InverseModel<'_>,
+    matches: &Matches,
+    reach: &mut ReachImage,
+    evidence: &FrameEvidence,
+) {
+    let width = rays.rig.width;
+    reach.fill(width, rays.rig.height, |y, row| draw_row(rays, model, matches, y, row, evidence));
+}
+
+/// The same for one row. Rounding and comparing take far fewer instructions from AVX on; no result depends on it.
+#[multiversion(targets("x86_64+avx2"))]
+fn draw_row(
+    rays: &Rays<'_>,
+    model: InverseModel<'_>,
+    matches: &Matches,
+    y: usize,
+    row: &mut [i32],
+    evidence: &FrameEvidence,
+) {
+    for (x, reach) in row.iter_mut().enumerate() {
+        let pixel = y * rays.rig.width + x;
+        // The filters that a winner-take-all approach relies on (section I-A).
+        *reach = if passes_filters(model.settings, matches, pixel) {
+            let disparity = f64::from(matches.disparity.values()[pixel]);
+            draw_section(rays, model, rays.direction(x as f64, y as f64), disparity, evidence)
+        } else {
+            NO_REACH
+        };
+    }
+}
+
+/// Whether a pixel's winner is to be believed. NaN fails every comparison.
+#[inline]
+fn passes_filters(settings: &WinnerTakeAllSettings, matches: &Matches, pixel: usize) -> bool {
+    let confirmed = !settings.left_right_check
+        || matches.left_right_difference_px[pixel] <= settings.left_right_tolerance_px;
+    confirmed && f64::from(matches.peak_ratio[pixel]) >= settings.peak_ratio
+}
+
+/// From sensor space to grid space: draws one ray's section and returns its reach.
+#[inline(always)]
+fn draw_section(
+    rays: &Rays<'_>,
+    model: InverseModel<'_>,
+    direction: [f64; 3],
+    disparity: f64,
+    evidence: &FrameEvidence,
+) -> i32 {
+    // A ray crosses |dx| + |dy| + |dz| faces per metre of depth, and between two points at most 3 more or fewer.
+    let faces_per_metre = direction[0].abs() + direction[1].abs() + direction[2].abs();
+    let depth = rays.rig.depth_m(disparity);
+    let deviation = model.deviation_cells(rays.rig, depth, faces_per_metre);
+    let profile = model.profiles.profile(deviation as f32);
+    // Beyond the rays' greatest depth one place is as good as another.
+    let in_front = f64::from(profile.in_front() + 2) / faces_per_metre;
+    let depth = depth.min(rays.max_depth_m + in_front);
+    let measured = rays.at_depth(&direction, depth).map(cell_index);
+    let start = depth - in_front;
+    if start < rays.max_depth_m {
+        let end = (depth + f64::from(profile.behind() + 2) / faces_per_metre).min(rays.max_depth_m);
+        let (start, end) = (rays.at_depth(&direction, start.max(0.0)), rays.at_depth(&direction, end));
+        draw(RayWalk::towards(rays.spec, start, end, measured), profile, evidence);
+    }
+    rays.steps_to(&measured) - profile.in_front()
+}
+
+/// Offers each cell of the section the profile's value at its distance from the measured cell.
+#[inline(always)]
+fn draw(mut walk: RayWalk, profile: Profile<'_>, evidence: &FrameEvidence) {
+    // The section begins with up to 3 cells that are simply free.
+    while walk.steps() >= profile.in_front() && walk.next().is_some() {}
+    for ((cell, _), &key) in walk.clone().zip(profile.keys_from(walk.steps())) {
+        evidence.offer(cell, key);
+    }
+}
+
+impl InverseModel<'_> {
+    /// Standard deviation of a measured range, in cells along the ray.
+    #[inline(always)]
+    fn deviation_cells(&self, rig: &evigrid_core::StereoRig, depth: f64, faces_per_metre: f64) -> f64 {
+        match self.settings.deviation {
+            // dl = dz l / z; l / z cancels against the cells per metre of ray.
+            Deviation::FollowsRange => {
+                let depth_per_pixel = depth * depth / (rig.baseline_m * rig.focal_px);
+                depth_per_pixel * self.settings.disparity_error_px * faces_per_metre
+            }
+            Deviation::Constant => self.settings.constant_variance_cells.sqrt(),
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! Random frames of a small rig over a small grid.
+#![allow(clippy::unwrap_used, missing_docs, dead_code)]
+
+use evigrid_core::{Disparity, GrayImage, Matches, Pose, StereoRig};
+use evigrid_cost_curve::WinnerTakeAllSettings;
+use evigrid_grid::{GridSettings, GridSpec, Mapper, View};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use proptest::prelude::*;
+
+pub const RIG: StereoRig =
+    StereoRig { width: 16, height: 12, focal_px: 14.0, centre_x_px: 7.5, centre_y_px: 5.5, baseline_m: 0.5 };
+
+pub fn spec() -> GridSpec {
+    let settings = GridSettings { x_m: [0.0, 12.0], y_m: [-3.0, 3.0], z_m: [-2.0, 2.0], cell_size_m: 0.4 };
+    GridSpec::new(&settings).unwrap()
+}
+
+pub fn level_camera() -> UnitQuaternion<f64> {
+    let columns = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns))
+}
+
+#[derive(Debug, Clone)]
+pub struct Shot {
+    pub pose: Pose,
+    pub matches: Matches,
+}
+
+/// Whether a pixel's match is to be believed.
+pub fn accepted(settings: &WinnerTakeAllSettings, matches: &Matches, pixel: usize) -> bool {
+    let confirmed = !settings.left_right_check
+        || matches.left_right_difference_px[pixel] <= settings.left_right_tolerance_px;
+    confirmed
+        && !matches.disparity.values()[pixel].is_nan()
+        && f64::from(matches.peak_ratio[pixel]) >= settings.peak_ratio
+}
+
+pub fn integrate(mapper: &mut impl Mapper, shot: &Shot) {
+    let left = GrayImage::new(RIG.width, RIG.height, vec![0; RIG.width * RIG.height]).unwrap();
+    mapper.integrate(&View {
+        rig: &RIG,
+        map_from_left: &shot.pose,
+        left: &left,
+        matches: &shot.matches,
+        volume: None,
+    });
+}
+
+pub fn shot() -> impl Strategy<Value = Shot> {
+    let n = RIG.width * RIG.height;
+    let disparity = prop_oneof![1 => Just(f32::NAN), 1 => Just(0.0_f32), 8 => 0.3..7.0_f32];
+    let matches = (
+        prop::collection::vec(disparity, n),
+        prop::collection::vec(1.0..4.0_f32, n),
+        prop::collection::vec(0..4_u16, n),
+    );
+    (matches, [-1.0..3.0_f64, -1.0..1.0, -0.5..0.5], [-0.2..0.2_f64, -0.2..0.2, -0.5..0.5]).prop_map(
+        |((disparity, mut peak_ratio, left_right_difference_px), at, turn)| {
+            for (ratio, d) in peak_ratio.iter_mut().zip(&disparity) {
+                *ratio = if d.is_nan() { f32::NAN } else { *ratio };
+            }
+            let disparity = Disparity::new(RIG.width, RIG.height, disparity).unwrap();
+            let turn = UnitQuaternion::from_euler_angles(turn[0], turn[1], turn[2]);
+            let pose = Pose::from_parts(Vector3::from(at).into(), turn * level_camera());
+            Shot { pose, matches: Matches { disparity, peak_ratio, left_right_difference_px } }
+        },
+    )
+}
