@@ -117,18 +117,15 @@ impl MapFile {
                 self.cell_size_m
             );
         }
-        let mut shift = [0; 3];
-        for a in 0..3 {
-            let cells = (self.origin_m[a] - spec.origin_m()[a]) / c;
-            if (cells - cells.round()).abs() > 1e-3 {
-                bail!(
-                    "expected an origin that is whole cells of {c} m away from {:?}, found {:?}",
-                    spec.origin_m(),
-                    self.origin_m
-                );
-            }
-            shift[a] = cells.round() as i64;
+        let cells: [f64; 3] = std::array::from_fn(|a| (self.origin_m[a] - spec.origin_m()[a]) / c);
+        if cells.iter().any(|v| (v - v.round()).abs() > 1e-3) {
+            bail!(
+                "expected an origin that is whole cells of {c} m away from {:?}, found {:?}",
+                spec.origin_m(),
+                self.origin_m
+            );
         }
+        let shift = cells.map(|v| v.round() as i64);
         let mut grid = LogOddsGrid::unknown(*spec);
         let mut outside = 0;
         for (index, &l) in self.indices.iter().zip(&self.log_odds) {

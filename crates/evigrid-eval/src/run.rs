@@ -1,6 +1,6 @@
 use anyhow::{Context, Result};
 use evigrid_core::{Frame, Matches};
-use evigrid_grid::{LogOddsGrid, Mapper, View};
+use evigrid_grid::{Mapper, View};
 use evigrid_metrics::Reference;
 use evigrid_replay::{read_disparity_png, write_disparity_png};
 use evigrid_stereo::{BlockMatcher, Matching};
@@ -209,12 +209,12 @@ impl<'a> Run<'a> {
     fn finish(&self, start: f64) -> RunResult {
         let reference = self.reference();
         let tolerances = &self.plan.info.config.score.tolerances_m;
-        let result = |(mapper, name): (&Box<dyn Mapper>, &String)| {
-            let map: &LogOddsGrid = mapper.map();
-            MethodResult::of(name, map, reference.as_ref(), tolerances)
-        };
+        let methods = self.mappers.iter().zip(&self.plan.info.methods);
+        let methods = methods
+            .map(|(m, name)| MethodResult::of(name, m.map(), reference.as_ref(), tolerances))
+            .collect();
         RunResult {
-            methods: self.mappers.iter().zip(&self.plan.info.methods).map(result).collect(),
+            methods,
             frames: self.plan.info.frames.len(),
             without_laser: self.without_laser.clone(),
             wall_ms: self.clock.now_ms() - start,
