@@ -1,5 +1,5 @@
 //! A tiny KITTI raw drive on disk, and how the binary is run on it.
-#![allow(dead_code, missing_docs)]
+#![allow(clippy::print_stdout, clippy::unwrap_used, dead_code, missing_docs)]
 
 use std::fs;
 use std::path::{Path, PathBuf};
