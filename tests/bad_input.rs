@@ -4,6 +4,7 @@
 mod common;
 
 use std::fs;
+use std::io::Write;
 use std::path::Path;
 
 use common::{TinyDrive, evigrid, names, path, stderr};
@@ -117,7 +118,7 @@ fn wrong_arguments() {
     refused(&["--set", "truth.max_range_m=0"], &["truth.max_range_m", "found 0"]);
     refused(&["--config", "no/such/file.toml"], &["no/such/file.toml"]);
     let unknown = evigrid(&["run", "--dataset", "2011_09_26_drive_0031", "--out", path(&out)]);
-    check_refused(&unknown, &out, &["2011_09_26_drive_0031", "2011_09_26_drive_0013"]);
+    check_refused(&unknown, &out, &["2011_09_26_drive_0031", "did you mean `2011_09_26_drive_0013`?"]);
     let world = evigrid(&["run", "--dataset", "synth:strait", "--out", path(&out)]);
     check_refused(&world, &out, &["strait", "street"]);
 }
@@ -140,6 +141,42 @@ fn a_map_file_that_is_none() {
     let score = |map: &Path| evigrid(&["score", path(map), "--dataset", path(&drive.dir())]);
     check_refused(&score(&map), &none, &["map.npz", "npz"]);
     check_refused(&score(&none), &none, &["none"]);
+    check_refused(&evigrid(&["score", path(&map)]), &none, &["--dataset"]);
+
+    // 2 x 2 indices where N x 3 are expected.
+    let npy = |dtype: &str, shape: &str, data: &[u8]| {
+        let header = format!("{{'descr': '{dtype}', 'fortran_order': False, 'shape': {shape}, }}\n");
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        [bytes, header.into_bytes(), data.to_vec()].concat()
+    };
+    let mut zip = zip::ZipWriter::new(fs::File::create(&map).unwrap());
+    zip.start_file("indices.npy", zip::write::SimpleFileOptions::default()).unwrap();
+    zip.write_all(&npy("<i4", "(2, 2)", &[0; 16])).unwrap();
+    zip.finish().unwrap();
+    check_refused(&score(&map), &none, &["map.npz", "indices", "[N, 3]", "[2, 2]"]);
+}
+
+#[test]
+fn mistyped_options() {
+    let none = Path::new("no/such/folder");
+    check_refused(&evigrid(&["run", "--datset", "x"]), none, &["--datset", "--dataset"]);
+    check_refused(&evigrid(&["rum"]), none, &["rum", "run"]);
+    check_refused(&evigrid(&["run", "--stride", "two"]), none, &["two", "--stride"]);
+    check_refused(&evigrid(&["score"]), none, &["MAP.npz"]);
+    assert!(evigrid(&["--help"]).status.success());
+}
+
+#[test]
+fn two_runs_into_one_folder() {
+    let drive = TinyDrive::new(2);
+    let out = drive.root.path().join("out");
+    fs::create_dir(&out).unwrap();
+    let folder = fs::File::open(&out).unwrap();
+    folder.lock().unwrap();
+    check_refused(&drive.run(&out, &[]), &out, &["no other run", "out"]);
+    drop(folder);
+    assert!(drive.run(&out, &[]).status.success());
 }
 
 #[test]

@@ -150,6 +150,33 @@ fn a_drive_without_laser_is_mapped_but_not_scored() {
     assert!(stdout(&output).contains("not scored"));
 }
 
+/// What an earlier run wrote and this one does not must not stand beside this one's tables.
+#[test]
+fn files_of_an_earlier_run_do_not_stay() {
+    let drive = TinyDrive::new(2);
+    let out = drive.root.path().join("out");
+    assert!(drive.run(&out, &[]).status.success());
+    assert!(names(&out).contains(&"truth.npz".to_owned()));
+    fs::write(out.join("my_notes.txt"), "").unwrap();
+    fs::remove_dir_all(drive.dir().join("velodyne_points")).unwrap();
+    assert!(drive.run(&out, &[]).status.success());
+    assert!(!names(&out).contains(&"truth.npz".to_owned()));
+    assert!(names(&out).contains(&"my_notes.txt".to_owned()));
+}
+
+/// A run that fails at its last step leaves all files of the run before.
+#[test]
+fn a_run_that_fails_late_leaves_the_old_files() {
+    let drive = TinyDrive::new(3);
+    let out = drive.root.path().join("out");
+    assert!(drive.run(&out, &["--frames", "0..1"]).status.success());
+    let read = || names(&out).iter().map(|n| fs::read(out.join(n)).unwrap()).collect::<Vec<_>>();
+    let before = read();
+    fs::write(drive.scan(2), [0; 7]).unwrap();
+    assert_eq!(drive.run(&out, &[]).status.code(), Some(2));
+    assert!(read() == before);
+}
+
 #[test]
 fn a_disparity_written_by_one_run_feeds_another() {
     let drive = TinyDrive::new(2);

@@ -22,7 +22,11 @@ fn main() -> ExitCode {
         .format_timestamp(None)
         .format_target(false)
         .init();
-    let result = match Args::parse().command {
+    let args = match Args::try_parse() {
+        Ok(args) => args,
+        Err(error) => return output::usage_error(&error),
+    };
+    let result = match args.command {
         Command::Run(args) => run::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Score(args) => score::score(&args).map(|()| ExitCode::SUCCESS),
         Command::Check(args) => check::check(&args),

@@ -2,7 +2,10 @@
 
 use std::io::{self, Write};
 
+use std::process::ExitCode;
+
 use anyhow::Result;
+use clap::error::ErrorKind;
 
 /// Prints to standard output. A reader that has gone away is no error.
 pub fn print(text: &str) -> Result<()> {
@@ -11,6 +14,22 @@ pub fn print(text: &str) -> Result<()> {
         Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         result => Ok(result?),
     }
+}
+
+/// What clap has to say: help and version as they are, an error in one line with clap's tip if it has one.
+pub fn usage_error(error: &clap::Error) -> ExitCode {
+    let asked_for = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
+    if asked_for || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        // A reader that has gone away is no error.
+        let _ = error.print();
+        return if asked_for { ExitCode::SUCCESS } else { ExitCode::from(2) };
+    }
+    let text = error.to_string();
+    // The message, its list of missing arguments and the tip; not the usage and the hint at --help.
+    let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
+    let parts: Vec<_> = lines.filter(|line| !line.is_empty()).collect();
+    eprintln!("{} (see --help)", parts.join("; "));
+    ExitCode::from(2)
 }
 
 /// An error with all its causes in one line, without repeating what a cause already says.

@@ -1,7 +1,7 @@
 use std::time::Duration;
 
 use anyhow::Result;
-use evigrid_eval::{Observer, RunInfo, RunResult, Step};
+use evigrid_eval::{Observer, RunInfo, RunResult, SealedFile, Step};
 use evigrid_grid::LogOddsGrid;
 use evigrid_truth::LaserTruth;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -45,10 +45,10 @@ impl Observer for Progress {
         Ok(())
     }
 
-    fn end(&mut self, _: &RunResult, _: &[&LogOddsGrid], _: Option<&LaserTruth>) -> Result<()> {
+    fn end(&mut self, _: &RunResult, _: &[&LogOddsGrid], _: Option<&LaserTruth>) -> Result<Vec<SealedFile>> {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
-        Ok(())
+        Ok(Vec::new())
     }
 }

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use evigrid_eval::{Plan, RealClock, RunResult, markdown_summary, read_map, score_map_file};
 
 use crate::args::ScoreArgs;
@@ -8,6 +8,12 @@ use crate::output::print;
 
 /// `evigrid score`.
 pub fn score(args: &ScoreArgs) -> Result<()> {
+    let input = &args.input;
+    if input.dataset.is_none() && input.config.is_none() {
+        bail!(
+            "score: expected --dataset with the recording that the map was made from (or --config that names it)"
+        );
+    }
     let map = read_map(&args.map)?;
     let plan = Plan::new(args.input.config()?)?;
     let name = args.map.file_stem().unwrap_or(Path::new("map").as_os_str()).to_string_lossy();

@@ -125,7 +125,7 @@ pub enum ConfigError {
         hint: String,
     },
     /// A value of the wrong type or outside its domain.
-    #[error("settings: {0}")]
+    #[error("{0}")]
     Value(String),
 }
 
@@ -146,13 +146,14 @@ impl Config {
                 message: syntax_error(&text, &e),
             })?;
             overlay(&mut table, given, &origin, "")?;
+            parse(&table, &origin)?;
         }
         for set in sets {
-            overlay(&mut table, parse_set(set)?, &format!("--set {set}"), "")?;
+            let origin = format!("--set {set}");
+            overlay(&mut table, parse_set(set)?, &origin, "")?;
+            parse(&table, &origin)?;
         }
-        Value::Table(table)
-            .try_into()
-            .map_err(|e: toml::de::Error| ConfigError::Value(one_line(&e.to_string())))
+        parse(&table, "settings")
     }
 
     /// The settings as TOML, to be fed back in.
@@ -168,12 +169,18 @@ impl Config {
     }
 }
 
+/// The settings of a table; `origin` is what last changed it.
+fn parse(table: &Table, origin: &str) -> Result<Config, ConfigError> {
+    let parsed = Value::Table(table.clone()).try_into();
+    parsed.map_err(|e: toml::de::Error| ConfigError::Value(format!("{origin}: {}", one_line(&e.to_string()))))
+}
+
 /// Puts the values of `given` over those of `base`, whose keys are all there are.
 fn overlay(base: &mut Table, given: Table, origin: &str, section: &str) -> Result<(), ConfigError> {
     for (key, value) in given {
         let full = format!("{section}{key}");
         if !base.contains_key(&key) {
-            let hint = nearest(&full, section, base);
+            let hint = nearest(&full, base.keys().map(|k| format!("{section}{k}")));
             return Err(ConfigError::Unknown { origin: origin.into(), key: full, hint });
         }
         match (&mut base[&key], value) {
@@ -189,11 +196,14 @@ fn overlay(base: &mut Table, given: Table, origin: &str, section: &str) -> Resul
     Ok(())
 }
 
-/// ` (did you mean ...?)` with the most similar key of the section, or the list of all keys.
-fn nearest(key: &str, section: &str, known: &Table) -> String {
-    let names = known.keys().map(|k| format!("{section}{k}"));
-    let best = names.max_by(|a, b| strsim::jaro_winkler(a, key).total_cmp(&strsim::jaro_winkler(b, key)));
-    best.map_or(String::new(), |name| format!(" (did you mean `{name}`?)"))
+/// ` (did you mean ...?)` with the most similar name, or all names where none is similar.
+pub(crate) fn nearest(name: &str, known: impl Iterator<Item = String>) -> String {
+    let known: Vec<_> = known.collect();
+    let similarity = |other: &String| strsim::normalized_damerau_levenshtein(other, name);
+    match known.iter().max_by(|a, b| similarity(a).total_cmp(&similarity(b))) {
+        Some(best) if similarity(best) >= 0.6 => format!(" (did you mean `{best}`?)"),
+        _ => format!(" (there are {})", known.join(", ")),
+    }
 }
 
 /// `a.b=value` as the table `a = { b = value }`.
@@ -206,12 +216,14 @@ fn parse_set(set: &str) -> Result<Table, ConfigError> {
     if key.is_empty() || key.split('.').any(str::is_empty) {
         return Err(syntax("expected SECTION.KEY before the `=`"));
     }
-    let value = format!("value = {text}")
-        .parse::<Table>()
-        .ok()
-        .filter(|table| table.len() == 1)
-        .and_then(|mut table| table.remove("value"))
-        .unwrap_or_else(|| Value::String(text.into()));
+    let value = match format!("value = {text}").parse::<Table>() {
+        Ok(mut table) if table.len() == 1 => {
+            table.remove("value").unwrap_or_else(|| Value::String(text.into()))
+        }
+        // What begins like a list, a table or a quoted string is meant to be one.
+        Err(e) if text.starts_with(['[', '{', '"', '\'']) => return Err(syntax(&one_line(e.message()))),
+        _ => Value::String(text.into()),
+    };
     let (sections, name) = key.rsplit_once('.').map_or(("", key), |(s, n)| (s, n));
     let mut table = Table::from_iter([(name.to_owned(), value)]);
     for section in sections.split('.').rev().filter(|s| !s.is_empty()) {
@@ -280,6 +292,9 @@ mod tests {
         assert!(message("=9").contains("before the `=`"));
         let wrong_type = message("stereo.window=wide");
         assert!(wrong_type.contains("window") && !wrong_type.contains('\n'), "{wrong_type}");
+        assert!(wrong_type.starts_with("--set stereo.window=wide: "), "{wrong_type}");
+        assert!(message("a=b").contains("there are"), "nothing is similar to `a`");
+        assert!(message("grid.x_m=[0, 1").starts_with("--set grid.x_m=[0, 1: "));
         assert!(message("winner-take-all.deviation=sometimes").contains("sometimes"));
     }
 

@@ -22,7 +22,7 @@ pub use map_file::{MapFile, read_map, write_map, write_truth};
 pub use memory::peak_memory_mib;
 pub use method::Method;
 pub use observer::{MethodStep, Observer, RunInfo, RunResult, StageTime, Step};
-pub use outputs::{PendingFile, ResultsFolder};
+pub use outputs::{PendingFile, ResultsFolder, SealedFile};
 pub use plan::{FrameRange, Plan, data_root, open_dataset};
 pub use run::evaluate;
 pub use score_file::score_map_file;

@@ -5,8 +5,8 @@ use anyhow::{Context, Result, bail};
 use evigrid_grid::{GridSpec, LogOddsGrid};
 use evigrid_truth::LaserTruth;
 
-use crate::PendingFile;
 use crate::npz::{Npz, NpzWriter};
+use crate::{PendingFile, SealedFile};
 
 /// A sparse voxel map as it stands in a file, from any mapper. Voxel (i, j, k) covers
 /// `origin + [i, i+1) x [j, j+1) x [k, k+1)` cells.
@@ -27,28 +27,28 @@ pub struct MapFile {
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn write_map(mut file: PendingFile, map: &LogOddsGrid) -> Result<()> {
+pub fn write_map(mut file: PendingFile, map: &LogOddsGrid) -> Result<SealedFile> {
     let (cells, log_odds): (Vec<usize>, Vec<f32>) = map.touched().unzip();
     let mut npz = NpzWriter::new();
     write_indices(&mut npz, "indices", map.spec(), &cells)?;
     npz.array("log_odds", &[log_odds.len() as u64], &log_odds)?;
     write_geometry(&mut npz, map.spec())?;
     file.write_all(&npz.finish()?).with_context(|| file.failed())?;
-    file.commit()
+    file.seal()
 }
 
 /// Writes the reference as npz: `occupied`, `observed` int32 [N,3], `origin`, `cell_size`.
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn write_truth(mut file: PendingFile, truth: &LaserTruth) -> Result<()> {
+pub fn write_truth(mut file: PendingFile, truth: &LaserTruth) -> Result<SealedFile> {
     let marked = |cells: &[bool]| (0..cells.len()).filter(|&i| cells[i]).collect::<Vec<_>>();
     let mut npz = NpzWriter::new();
     write_indices(&mut npz, "occupied", truth.spec(), &marked(truth.occupied()))?;
     write_indices(&mut npz, "observed", truth.spec(), &marked(truth.observed()))?;
     write_geometry(&mut npz, truth.spec())?;
     file.write_all(&npz.finish()?).with_context(|| file.failed())?;
-    file.commit()
+    file.seal()
 }
 
 fn write_indices(npz: &mut NpzWriter, name: &str, spec: &GridSpec, cells: &[usize]) -> Result<()> {
@@ -167,7 +167,7 @@ mod tests {
     fn a_written_map_reads_back_the_same() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("map.npz");
-        write_map(PendingFile::create(path.clone()).unwrap(), &map()).unwrap();
+        write_map(PendingFile::create(path.clone()).unwrap(), &map()).unwrap().publish().unwrap();
         let (back, outside) = read_map(&path).unwrap().onto_grid(&spec()).unwrap();
         assert_eq!(outside, 0);
         assert_eq!(back.touched().collect::<Vec<_>>(), map().touched().collect::<Vec<_>>());

@@ -8,7 +8,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 /// Arrays larger than this are refused when read (a header may claim anything).
-const MAX_ARRAY_BYTES: u64 = 8 << 30;
+const MAX_ARRAY_BYTES: u64 = 1 << 30;
 
 /// Builds an npz in memory, array by array: the zip writer itself never meets a full disk.
 pub(crate) struct NpzWriter {

@@ -3,7 +3,7 @@ use evigrid_core::{Frame, Matches};
 use evigrid_grid::{GridSpec, LogOddsGrid};
 use evigrid_truth::LaserTruth;
 
-use crate::{Config, MethodResult, Scores};
+use crate::{Config, MethodResult, Scores, SealedFile};
 
 /// What is known before the first frame.
 #[derive(Debug, Clone)]
@@ -102,7 +102,8 @@ pub trait Observer {
         Ok(())
     }
 
-    /// After the last frame, with the final maps and the reference.
+    /// After the last frame, with the final maps and the reference. Returned are the files that were written; when all
+    /// observers have ended, they get their names together.
     ///
     /// # Errors
     /// If the result cannot be kept.
@@ -111,7 +112,7 @@ pub trait Observer {
         _result: &RunResult,
         _maps: &[&LogOddsGrid],
         _truth: Option<&LaserTruth>,
-    ) -> Result<()> {
-        Ok(())
+    ) -> Result<Vec<SealedFile>> {
+        Ok(Vec::new())
     }
 }

@@ -2,17 +2,19 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use tempfile::NamedTempFile;
 
 /// Ending of a file that is being written.
 const PARTIAL: &str = ".partial";
 
-/// The folder a run writes to. Every file is written under a temporary name beside its own and renamed when it is
-/// whole, so that a run killed at any moment leaves either the old file or the new one.
+/// The folder a run writes to. Every file is written under a temporary name beside its own, and all are renamed at
+/// once when the last one is whole: a run that fails or is killed leaves the files of the run before.
 #[derive(Debug)]
 pub struct ResultsFolder {
     dir: PathBuf,
+    /// The folder itself, locked against a second run; `None` where the system cannot lock folders.
+    _lock: Option<fs::File>,
 }
 
 impl ResultsFolder {
@@ -20,21 +22,47 @@ impl ResultsFolder {
     /// returned, so that it can be said.
     ///
     /// # Errors
-    /// If the folder cannot be created or written.
+    /// If the folder cannot be created or written, or another run is writing to it.
     pub fn open(dir: &Path) -> Result<(Self, Vec<String>)> {
         let failed = || format!("cannot write the results to {}", dir.display());
         fs::create_dir_all(dir).with_context(failed)?;
+        let lock = fs::File::open(dir).ok();
+        if let Some(Err(fs::TryLockError::WouldBlock)) = lock.as_ref().map(fs::File::try_lock) {
+            bail!("expected a folder that no other run is writing to, found one at work: {}", dir.display());
+        }
         let mut left_over = Vec::new();
         for entry in fs::read_dir(dir).with_context(failed)? {
             let entry = entry.with_context(failed)?;
             let name = entry.file_name().to_string_lossy().into_owned();
-            if name.ends_with(PARTIAL) {
+            if name.strip_suffix(PARTIAL).is_some_and(is_ours) {
+                let failed = || format!("cannot remove {}", entry.path().display());
                 fs::remove_file(entry.path()).with_context(failed)?;
                 left_over.push(name);
             }
         }
         left_over.sort();
-        Ok((Self { dir: dir.to_owned() }, left_over))
+        Ok((Self { dir: dir.to_owned(), _lock: lock }, left_over))
+    }
+
+    /// Gives all files of a run their names, and removes what an earlier run wrote and this one does not. Nothing is
+    /// left to do but renaming, so there is no disk to fill up and next to no time to be killed in.
+    ///
+    /// # Errors
+    /// If a file cannot be renamed or removed.
+    pub fn publish(&self, files: Vec<SealedFile>) -> Result<()> {
+        let names: Vec<_> = files.iter().filter_map(|f| f.path.file_name()).map(ToOwned::to_owned).collect();
+        for file in files {
+            file.publish()?;
+        }
+        let failed = || format!("cannot write the results to {}", self.dir.display());
+        for entry in fs::read_dir(&self.dir).with_context(failed)? {
+            let entry = entry.with_context(failed)?;
+            let stale = is_ours(&entry.file_name().to_string_lossy()) && !names.contains(&entry.file_name());
+            if stale && entry.path().is_file() {
+                fs::remove_file(entry.path()).with_context(failed)?;
+            }
+        }
+        Ok(())
     }
 
     /// The folder.
@@ -51,7 +79,23 @@ impl ResultsFolder {
     }
 }
 
-/// A file that gets its name when it is whole. Dropped before [`Self::commit`], it leaves nothing behind.
+/// Whether a run writes files of this name.
+fn is_ours(name: &str) -> bool {
+    const NAMES: [&str; 8] = [
+        "config.toml",
+        "frames.csv",
+        "recording.rrd",
+        "run.json",
+        "summary.csv",
+        "summary.md",
+        "timing.csv",
+        "truth.npz",
+    ];
+    let per_method = [("map.", ".npz"), ("curve.", ".csv")];
+    NAMES.contains(&name) || per_method.iter().any(|(a, b)| name.starts_with(a) && name.ends_with(b))
+}
+
+/// A file that is being written. Dropped before [`Self::seal`], it leaves nothing behind.
 #[derive(Debug)]
 pub struct PendingFile {
     writer: BufWriter<NamedTempFile>,
@@ -80,22 +124,40 @@ impl PendingFile {
         &self.path
     }
 
-    /// Gives the file its name.
+    /// Ends writing: all of the file is on the disk, still under its temporary name.
     ///
     /// # Errors
     /// If what was written does not reach the disk.
-    pub fn commit(self) -> Result<()> {
+    pub fn seal(self) -> Result<SealedFile> {
         let path = self.path;
         let failed = || format!("cannot write {}", path.display());
         let file = self.writer.into_inner().map_err(io::IntoInnerError::into_error).with_context(failed)?;
         file.as_file().sync_all().with_context(failed)?;
-        file.persist(&path).map_err(|e| e.error).with_context(failed)?;
-        Ok(())
+        Ok(SealedFile { file, path })
     }
 
     /// What a failed write to this file is to be called.
     pub fn failed(&self) -> String {
         format!("cannot write {}", self.path.display())
+    }
+}
+
+/// A whole file that waits for its name. Dropped before [`Self::publish`], it leaves nothing behind.
+#[derive(Debug)]
+pub struct SealedFile {
+    file: NamedTempFile,
+    path: PathBuf,
+}
+
+impl SealedFile {
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// If it cannot be renamed.
+    pub fn publish(self) -> Result<()> {
+        let failed = format!("cannot write {}", self.path.display());
+        self.file.persist(&self.path).map_err(|e| e.error).context(failed)?;
+        Ok(())
     }
 }
 
@@ -137,7 +199,9 @@ mod tests {
         file.write_all(b"new").unwrap();
         assert_eq!(fs::read_to_string(dir.path().join("a.csv")).unwrap(), "old");
         assert_eq!(names(dir.path()), ["a.csv", "a.csv.partial"]);
-        file.commit().unwrap();
+        let sealed = file.seal().unwrap();
+        assert_eq!(fs::read_to_string(dir.path().join("a.csv")).unwrap(), "old");
+        sealed.publish().unwrap();
         assert_eq!(fs::read_to_string(dir.path().join("a.csv")).unwrap(), "new");
         drop(folder.create("b.csv").unwrap());
         assert_eq!(names(dir.path()), ["a.csv"], "a file that fails leaves nothing behind");
@@ -149,8 +213,34 @@ mod tests {
         fs::write(dir.path().join("frames.csv.partial"), "half").unwrap();
         let (folder, left_over) = ResultsFolder::open(dir.path()).unwrap();
         assert_eq!(left_over, ["frames.csv.partial"]);
-        folder.create("frames.csv").unwrap().commit().unwrap();
+        folder.publish(vec![folder.create("frames.csv").unwrap().seal().unwrap()]).unwrap();
         assert_eq!(names(folder.dir()), ["frames.csv"]);
+    }
+
+    #[test]
+    fn only_files_of_runs_are_ever_removed() {
+        let dir = tempfile::tempdir().unwrap();
+        for name in ["holiday.mp4.partial", "notes.csv", "map.mine.txt", "truth.npz", "map.old-method.npz"] {
+            fs::write(dir.path().join(name), "").unwrap();
+        }
+        let (folder, left_over) = ResultsFolder::open(dir.path()).unwrap();
+        assert!(left_over.is_empty());
+        folder.publish(vec![folder.create("frames.csv").unwrap().seal().unwrap()]).unwrap();
+        let expected = ["frames.csv", "holiday.mp4.partial", "map.mine.txt", "notes.csv"];
+        assert_eq!(
+            names(dir.path()),
+            expected,
+            "what this run did not write is gone, what is not ours stays"
+        );
+    }
+
+    #[test]
+    fn a_second_run_into_the_same_folder_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let first = ResultsFolder::open(dir.path()).unwrap();
+        assert!(ResultsFolder::open(dir.path()).unwrap_err().to_string().contains("no other run"));
+        drop(first);
+        assert!(ResultsFolder::open(dir.path()).is_ok());
     }
 
     #[test]

@@ -6,6 +6,7 @@ use evigrid_grid::GridSpec;
 use evigrid_replay::{Sequence, find_dataset, map_from_world};
 use evigrid_synth::{SyntheticSequence, World};
 
+use crate::config::nearest;
 use crate::{Config, Method, RunInfo};
 
 /// A run whose every setting has been checked; nothing further in validates again.
@@ -37,7 +38,7 @@ impl Plan {
         config.stereo.checked()?;
         config.truth.checked()?;
         config.winner_take_all.checked()?;
-        check_tolerances(&config.score.tolerances_m)?;
+        check_tolerances(&config.score.tolerances_m, config.grid.cell_size_m)?;
         let sequence = open_dataset(&config.run.dataset)?;
         let range: FrameRange = config.run.frames.parse()?;
         let frames = range.frames(sequence.info().frame_count, config.run.stride)?;
@@ -61,10 +62,10 @@ fn parse_methods(names: &[String]) -> Result<Vec<Method>> {
     let mut methods = Vec::new();
     for name in names {
         let Some(method) = Method::from_name(name) else {
-            let similar = |m: &Method| strsim::jaro_winkler(m.name(), name);
-            let best = Method::ALL.into_iter().max_by(|a, b| similar(a).total_cmp(&similar(b)));
-            let hint = best.map_or("", Method::name);
-            bail!("unknown method `{name}` (did you mean `{hint}`?)");
+            bail!(
+                "unknown method `{name}`{}",
+                nearest(name, Method::ALL.iter().map(|m| m.name().to_owned()))
+            );
         };
         if methods.contains(&method) {
             bail!("method `{name}` is named twice");
@@ -74,9 +75,13 @@ fn parse_methods(names: &[String]) -> Result<Vec<Method>> {
     Ok(methods)
 }
 
-fn check_tolerances(tolerances_m: &[f64]) -> Result<()> {
-    match tolerances_m.iter().find(|t| !(t.is_finite() && **t >= 0.0 && **t <= 10.0)) {
-        Some(t) => bail!("score.tolerances_m: expected metres from 0 to 10, found {t}"),
+/// Every cell within a tolerance is looked at, so a tolerance of many cells would take for ever.
+const MAX_TOLERANCE_CELLS: f64 = 20.0;
+
+fn check_tolerances(tolerances_m: &[f64], cell_size_m: f64) -> Result<()> {
+    let most = MAX_TOLERANCE_CELLS * cell_size_m;
+    match tolerances_m.iter().find(|t| !(**t >= 0.0 && **t <= most)) {
+        Some(t) => bail!("score.tolerances_m: expected metres from 0 to {most} (20 cells), found {t}"),
         None => Ok(()),
     }
 }
@@ -99,17 +104,19 @@ pub fn open_dataset(name: &str) -> Result<Box<dyn Sequence>> {
         return Ok(evigrid_replay::open(path)?);
     }
     let Some(known) = find_dataset(name)? else {
-        let names: Vec<_> = evigrid_replay::datasets()?.into_iter().map(|d| d.id).collect();
-        bail!(
-            "no such data set: expected a folder, synth:street or one of {}, found `{name}`",
-            names.join(", ")
-        );
+        let known = evigrid_replay::datasets()?.into_iter().map(|d| d.id);
+        let worlds = World::builtin_names().map(|w| format!("synth:{w}"));
+        let hint = nearest(name, worlds.chain(known));
+        bail!("no such data set: expected a folder or a known name, found `{name}`{hint}");
     };
     let dir = known.dir_below(&data_root());
     evigrid_replay::open(&dir).with_context(|| {
         format!("data set {name} is not here (scripts/download_datasets.sh {name} fetches it)")
     })
 }
+
+/// No recording has more frames.
+const MAX_STRIDE: usize = 1_000_000;
 
 /// Frame numbers `A..B`; either end may be missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -137,8 +144,8 @@ impl FrameRange {
     /// # Errors
     /// If the stride is 0, the range is empty or it goes beyond the recording.
     pub fn frames(&self, count: usize, stride: usize) -> Result<Vec<usize>> {
-        if stride == 0 {
-            bail!("run.stride: expected a number from 1, found 0");
+        if !(1..=MAX_STRIDE).contains(&stride) {
+            bail!("run.stride: expected a number from 1 to {MAX_STRIDE}, found {stride}");
         }
         let to = self.to.unwrap_or(count);
         if to > count {

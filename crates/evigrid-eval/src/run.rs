@@ -38,9 +38,11 @@ pub fn evaluate(
     let result = run.finish(start);
     let maps: Vec<_> = run.mappers.iter().map(|m| m.map()).collect();
     let truth = run.truth_if_any();
+    let mut files = Vec::new();
     for observer in observers.iter_mut() {
-        observer.end(&result, &maps, truth)?;
+        files.extend(observer.end(&result, &maps, truth)?);
     }
+    folder.publish(files)?;
     Ok(result)
 }
 

@@ -13,7 +13,7 @@ use serde_json::json;
 
 use crate::{
     MethodResult, MethodStep, Observer, OutputSettings, PendingFile, ResultsFolder, RunInfo, RunResult,
-    Scores, StageTime, Step, peak_memory_mib, write_map, write_truth,
+    Scores, SealedFile, StageTime, Step, peak_memory_mib, write_map, write_truth,
 };
 
 /// Writes the tables of a run. All files are opened before the first frame and get their names after the last one.
@@ -70,14 +70,14 @@ impl TableWriter {
 }
 
 impl Tables {
-    /// Writes what is known at the end and gives every file its name, run.json last.
+    /// Writes what is known at the end; run.json is the last to get its name.
     fn finish(
         mut self,
         info: &RunInfo,
         result: &RunResult,
         maps: &[&LogOddsGrid],
         truth: Option<&LaserTruth>,
-    ) -> Result<()> {
+    ) -> Result<Vec<SealedFile>> {
         let summary = std::iter::once(summary_header(info))
             .chain(result.methods.iter().map(|m| summary_row(info, result, m)));
         write_rows(&mut self.summary, summary)?;
@@ -88,18 +88,18 @@ impl Tables {
         write_text(&mut self.markdown, &text)?;
         write_text(&mut self.config, &info.config.to_toml()?)?;
         write_text(&mut self.run, &run_json(info, result, &self.build)?)?;
-        for (file, map) in self.maps.into_iter().zip(maps) {
-            write_map(file, map)?;
-        }
+        let mut files: Vec<SealedFile> =
+            self.maps.into_iter().zip(maps).map(|(file, map)| write_map(file, map)).collect::<Result<_>>()?;
         if let Some(truth) = truth {
-            write_truth(self.truth, truth)?;
+            files.push(write_truth(self.truth, truth)?);
         }
         for table in [self.frames, self.timing, self.summary].into_iter().chain(self.curves) {
-            commit(table)?;
+            files.push(seal(table)?);
         }
-        self.markdown.commit()?;
-        self.config.commit()?;
-        self.run.commit()
+        for text in [self.markdown, self.config, self.run] {
+            files.push(text.seal()?);
+        }
+        Ok(files)
     }
 }
 
@@ -126,7 +126,12 @@ impl Observer for TableWriter {
         write_rows(&mut self.tables()?.timing, rows)
     }
 
-    fn end(&mut self, result: &RunResult, maps: &[&LogOddsGrid], truth: Option<&LaserTruth>) -> Result<()> {
+    fn end(
+        &mut self,
+        result: &RunResult,
+        maps: &[&LogOddsGrid],
+        truth: Option<&LaserTruth>,
+    ) -> Result<Vec<SealedFile>> {
         let tables = self.tables.take().context("the tables of this run are already complete")?;
         tables.finish(&self.info, result, maps, truth)
     }
@@ -338,7 +343,7 @@ fn write_text(file: &mut PendingFile, text: &str) -> Result<()> {
     file.write_all(text.as_bytes()).with_context(|| file.failed())
 }
 
-fn commit(writer: Writer<PendingFile>) -> Result<()> {
+fn seal(writer: Writer<PendingFile>) -> Result<SealedFile> {
     let failed = writer.get_ref().failed();
-    writer.into_inner().map_err(|e| anyhow::anyhow!("{}", e.error())).context(failed)?.commit()
+    writer.into_inner().map_err(|e| anyhow::anyhow!("{}", e.error())).context(failed)?.seal()
 }

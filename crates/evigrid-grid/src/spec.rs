@@ -39,12 +39,12 @@ pub enum GridError {
     },
     /// More cells than a map may have.
     #[error(
-        "grid: expected at most {max_cells} cells, found {cells:.0} ({gib:.1} GiB): use larger cells or a smaller grid"
+        "grid: expected at most {max_cells} cells, found {cells:.3e} ({gib:.3e} GiB): use larger cells or a smaller grid"
     )]
     TooLarge {
         /// The cells asked for.
         cells: f64,
-        /// What they would take at 12 bytes a cell.
+        /// What they would take at 24 bytes a cell.
         gib: f64,
         /// The limit.
         max_cells: usize,
@@ -61,8 +61,9 @@ pub struct GridSpec {
 }
 
 impl GridSpec {
-    /// The most cells a grid may have (12 GiB of map and buffers at 12 bytes a cell).
-    pub const MAX_CELLS: usize = 1 << 30;
+    /// The most cells a grid may have: 12 GiB at 24 bytes a cell (8 for a map and its evidence, 10 for the reference,
+    /// the rest for what looks at them).
+    pub const MAX_CELLS: usize = 1 << 29;
 
     /// The grid that covers the box of the settings; a last partial cell counts as a whole one.
     ///
@@ -84,7 +85,7 @@ impl GridSpec {
         }
         let total: f64 = cells.iter().product();
         if total > Self::MAX_CELLS as f64 {
-            let gib = total * 12.0 / f64::from(1 << 30);
+            let gib = total * 24.0 / f64::from(1 << 30);
             return Err(GridError::TooLarge { cells: total, gib, max_cells: Self::MAX_CELLS });
         }
         let origin_m = [settings.x_m[0], settings.y_m[0], settings.z_m[0]];
@@ -193,6 +194,6 @@ mod tests {
         assert!(refuse(GridSettings { cell_size_m: f64::NAN, ..base }).ends_with("found NaN"));
         assert!(refuse(GridSettings { y_m: [5.0, -5.0], ..base }).contains("grid.y_m"));
         let huge = refuse(GridSettings { cell_size_m: 0.001, ..base });
-        assert!(huge.contains("6400000000000") && huge.contains("GiB"), "{huge}");
+        assert!(huge.contains("6.400e12") && huge.contains("GiB"), "{huge}");
     }
 }

@@ -1,7 +1,7 @@
 use evigrid_grid::GridSpec;
 use rayon::prelude::*;
 
-use crate::{harmonic_mean, ratio};
+use crate::ratio;
 
 /// Cells per task: enough to hide the cost of starting it, and few enough for 32-bit sums.
 const CELLS_PER_TASK: usize = 1 << 14;
@@ -70,8 +70,9 @@ impl Counts {
 
     /// The same with the mistakes that the laser observed only: precision and F1.
     pub fn observed_precision_and_f1(&self) -> (f64, f64) {
-        let precision = ratio(self.hits, self.hits + self.mistakes_observed);
-        (precision, harmonic_mean(precision, self.recall()))
+        let doubled = 2 * self.hits;
+        let f1 = ratio(doubled, doubled + self.mistakes_observed + self.missed());
+        (ratio(self.hits, self.hits + self.mistakes_observed), f1)
     }
 }
 

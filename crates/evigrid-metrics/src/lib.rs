@@ -16,7 +16,8 @@ fn ratio(numerator: usize, denominator: usize) -> f64 {
     numerator as f64 / denominator as f64
 }
 
-/// Harmonic mean of two rates; 0 if both are 0, NaN if either is undefined.
+/// Harmonic mean of two rates; 0 if either is 0 (the other may be undefined then: an empty map has no accuracy, but
+/// its F-score is 0), else NaN if either is undefined.
 fn harmonic_mean(a: f64, b: f64) -> f64 {
-    if a + b == 0.0 { 0.0 } else { 2.0 * a * b / (a + b) }
+    if a == 0.0 || b == 0.0 { 0.0 } else { 2.0 * a * b / (a + b) }
 }

@@ -59,10 +59,11 @@ impl Ball {
     fn new(spec: &GridSpec, radius_m: f64) -> Self {
         // 0.4 m are two cells of 0.2 m, whatever the last bit of the quotient says.
         let radius = radius_m / spec.cell_size_m() + 1e-6;
-        let r = radius.floor() as i64;
-        let axis = move || -r..=r;
-        let mut offsets: Vec<_> = axis()
-            .flat_map(|i| axis().flat_map(move |j| axis().map(move |k| [i, j, k])))
+        // No cell is farther away than the grid is long.
+        let reach = spec.shape().map(|n| (radius as i64).min(n as i64 - 1));
+        let axis = move |a: usize| -reach[a]..=reach[a];
+        let mut offsets: Vec<_> = axis(0)
+            .flat_map(|i| axis(1).flat_map(move |j| axis(2).map(move |k| [i, j, k])))
             .filter(|o| (squared_norm(o) as f64) <= radius * radius && *o != [0; 3])
             .collect();
         offsets.sort_by_key(squared_norm);

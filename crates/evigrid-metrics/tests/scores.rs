@@ -34,6 +34,10 @@ fn an_empty_map_has_no_precision_but_an_f1_of_zero() {
     let c = count(&[f32::NAN, -1.0], &reference);
     assert!(c.precision().is_nan());
     assert_eq!((c.recall(), c.f1()), (0.0, 0.0));
+    assert_eq!(c.observed_precision_and_f1().1, 0.0);
+    let tolerant = within_tolerance(&[f32::NAN, -1.0], &reference, 0.0);
+    assert!(tolerant.accuracy.is_nan());
+    assert_eq!((tolerant.completeness, tolerant.f_score), (0.0, 0.0));
 }
 
 #[test]

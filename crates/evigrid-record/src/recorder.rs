@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use evigrid_eval::{Observer, PendingFile, RunInfo, RunResult, Step, markdown_summary};
+use evigrid_eval::{Observer, PendingFile, RunInfo, RunResult, SealedFile, Step, markdown_summary};
 use evigrid_grid::{GridSpec, LogOddsGrid};
 use evigrid_truth::LaserTruth;
 use rerun::archetypes::RecordingInfo;
@@ -79,10 +79,16 @@ impl Observer for Recorder {
         run.frame(rrd, step)
     }
 
-    fn end(&mut self, result: &RunResult, _maps: &[&LogOddsGrid], _truth: Option<&LaserTruth>) -> Result<()> {
+    fn end(
+        &mut self,
+        result: &RunResult,
+        _maps: &[&LogOddsGrid],
+        _truth: Option<&LaserTruth>,
+    ) -> Result<Vec<SealedFile>> {
         let (rrd, run) = self.parts()?;
         run.end(rrd, result)?;
-        self.rrd.take().context("the recording has already ended")?.commit()
+        let rrd = self.rrd.take().context("the recording has already ended")?;
+        Ok(vec![rrd.seal()?])
     }
 }
 

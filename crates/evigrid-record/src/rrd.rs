@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use evigrid_eval::PendingFile;
+use evigrid_eval::{PendingFile, SealedFile};
 use rerun::external::re_build_info::CrateVersion;
 use rerun::external::re_log_encoding::{Encoder, EncodingOptions};
 use rerun::external::re_log_types::{BlueprintActivationCommand, SetStoreInfo, StoreInfo, StoreSource};
@@ -70,8 +70,8 @@ impl Rrd<PendingFile> {
     }
 
     /// Ends the stream and gives the file its name.
-    pub fn commit(self) -> Result<()> {
-        self.finish()?.commit()
+    pub fn seal(self) -> Result<SealedFile> {
+        self.finish()?.seal()
     }
 }
 

@@ -76,7 +76,9 @@ fn record(path: &Path, whole: bool) {
         wall_ms: 0.0,
         stage_totals: Default::default(),
     };
-    recorder.end(&result, &[&map, &empty], Some(&truth)).unwrap();
+    for file in recorder.end(&result, &[&map, &empty], Some(&truth)).unwrap() {
+        file.publish().unwrap();
+    }
 }
 
 fn reference(truth: &LaserTruth) -> Reference<'_> {
