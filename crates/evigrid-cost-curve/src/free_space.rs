@@ -12,7 +12,7 @@ use crate::silhouette::Silhouette;
 /// Offers `free_key` to every cell that some ray crosses within the pixel's reach.
 ///
 /// A cell of free space is crossed by hundreds of rays, and one of them decides: mostly that of the pixel in the
-/// middle of the cell. Cells that have evidence already are left out: no evidence is less than that of a free cell.
+/// middle of the cell, else nearly always one of eight around it. Cells that have evidence already are left out: no evidence is less than that of a free cell.
 pub(crate) fn draw_free_space(rays: &Rays<'_>, reach: &ReachImage, free_key: i32, evidence: &FrameEvidence) {
     let projection = Projection::new(rays);
     let [layers, ..] = rays.bounds();
@@ -51,22 +51,25 @@ fn is_free(rays: &Rays<'_>, projection: &Projection, reach: &ReachImage, cell: [
         return false;
     }
     let steps = rays.steps_to(&cell.map(|index| index as i64));
-    if middle_pixel_reaches(rays, reach, centre, place, steps) {
+    if pixel_reaches(rays, reach, centre, place, steps) {
         return true;
     }
     let Some([columns, rows]) = projection.image_box(place, reach.size()) else { return false };
     if reach.row_bands(columns, rows, steps).next().is_none() {
         return false;
     }
+    if projection.samples.iter().any(|s| pixel_reaches(rays, reach, centre, place + s, steps)) {
+        return true;
+    }
     let rays_end = place.z + projection.half_depth_m >= rays.max_depth_m;
     let silhouette = Silhouette::of_cell(rays, cell, rays_end);
-    any_pixel_reaches(reach, &silhouette, columns, rows, steps)
+    !silhouette.misses_image(reach.size()) && any_pixel_reaches(reach, &silhouette, columns, rows, steps)
 }
 
-/// Whether the pixel in the middle of the cell reaches it. Its ray is only looked at where it is half way through, so
-/// `false` decides nothing.
+/// Whether the pixel that sees a place within the cell reaches it. Its ray is only looked at in that depth, so `false`
+/// decides nothing.
 #[inline(always)]
-fn middle_pixel_reaches(
+fn pixel_reaches(
     rays: &Rays<'_>,
     reach: &ReachImage,
     centre: [f64; 3],
@@ -115,6 +118,8 @@ struct Projection {
     matrix: Matrix3<f64>,
     /// The same of a cell's corners, relative to its centre.
     corners: [Vector3<f64>; 8],
+    /// The same of eight places within it, on the way from the centre to the corners.
+    samples: [Vector3<f64>; 8],
     /// Half a cell's extent in depth, metres.
     half_depth_m: f64,
 }
@@ -125,7 +130,7 @@ impl Projection {
         let half = |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -0.5 } else { 0.5 };
         let corners = std::array::from_fn(|n| matrix * Vector3::from_fn(|a, _| half(n, a)));
         let half_depth_m = corners.iter().map(|c: &Vector3<f64>| c.z).fold(0.0, f64::max);
-        Self { matrix, corners, half_depth_m }
+        Self { matrix, corners, samples: corners.map(|c| c * 0.6), half_depth_m }
     }
 
     /// The columns and rows of the image, first and last, that hold the whole cell around a projected place; `None`

@@ -80,6 +80,18 @@ impl Silhouette {
         self.count += 1;
     }
 
+    /// Whether one edge leaves the whole image outside. So it is with most cells beside the camera, whose image is not
+    /// bounded by that of their corners.
+    pub fn misses_image(&self, (width, height): (usize, usize)) -> bool {
+        let (last_column, last_row) = ((width - 1) as f64, (height - 1) as f64);
+        self.edges[..self.count].iter().any(|edge| {
+            [0.0, last_row].iter().all(|row| {
+                let bound = edge.slope * row + edge.at_row_0;
+                if edge.is_left { bound >= last_column } else { bound <= 0.0 }
+            })
+        })
+    }
+
     /// The first and the last pixel of row `y`, of an image `width` pixels wide, that lie inside; `None` if none does.
     #[inline(always)]
     pub fn columns(&self, y: usize, width: usize) -> Option<[usize; 2]> {

@@ -43,9 +43,12 @@ impl RayWalk {
     #[inline(always)]
     pub fn towards(spec: &GridSpec, from: [f64; 3], to: [f64; 3], goal: [i64; 3]) -> Self {
         let direction: [f64; 3] = std::array::from_fn(|a| to[a] - from[a]);
-        let inverse = direction.map(f64::recip);
         let (start_cell, end_cell) = (from.map(cell_index), to.map(cell_index));
         let shape = spec.shape();
+        if beside(shape, start_cell, end_cell) {
+            return Self::empty();
+        }
+        let inverse = direction.map(f64::recip);
         let (first, last, leave) = if within(shape, start_cell) && within(shape, end_cell) {
             (start_cell, end_cell, 1.0)
         } else {
@@ -167,6 +170,16 @@ fn clip(shape: [usize; 3], from: [f64; 3], direction: [f64; 3]) -> Option<(f64, 
     let inside =
         enter < leave || (enter == leave && (0..3).all(|a| from[a] >= 0.0 && from[a] < shape[a] as f64));
     inside.then_some((enter, leave))
+}
+
+/// Whether two cells lie beyond the same side of the grid, and so all cells between them.
+#[inline(always)]
+fn beside(shape: [usize; 3], a: [i64; 3], b: [i64; 3]) -> bool {
+    let outside = |axis: usize| {
+        let size = shape[axis] as i64;
+        ((a[axis] < 0) & (b[axis] < 0)) | ((a[axis] >= size) & (b[axis] >= size))
+    };
+    outside(0) | outside(1) | outside(2)
 }
 
 #[inline]
