@@ -3,10 +3,11 @@ use std::sync::Arc;
 use crate::error::require;
 use crate::{CoreError, GrayImage, Pose, StereoRig};
 
-/// One sweep of a laser scanner.
+/// One sweep of a laser scanner, or of several at once.
 #[derive(Debug, Clone)]
 pub struct LaserScan {
     points: Vec<[f32; 3]>,
+    origins: Option<Vec<[f32; 3]>>,
     map_from_laser: Pose,
 }
 
@@ -16,12 +17,21 @@ impl LaserScan {
     /// # Errors
     /// If a coordinate is not finite.
     pub fn new(points: Vec<[f32; 3]>, map_from_laser: Pose) -> Result<Self, CoreError> {
-        for point in &points {
-            for &v in point {
-                require(v.is_finite(), "laser point", "finite coordinates", f64::from(v))?;
-            }
-        }
-        Ok(Self { points, map_from_laser })
+        require_finite("laser point", &points)?;
+        Ok(Self { points, origins: None, map_from_laser })
+    }
+
+    /// The scan of a scanner that moved, or of several: where each point's ray started, in the laser's own frame,
+    /// metres, one origin per point.
+    ///
+    /// # Errors
+    /// If there are more or fewer origins than points, or a coordinate is not finite.
+    pub fn with_origins(mut self, origins: Vec<[f32; 3]>) -> Result<Self, CoreError> {
+        let (found, expected) = (origins.len(), self.points.len());
+        require(found == expected, "number of laser origins", "one per point", found as f64)?;
+        require_finite("laser origin", &origins)?;
+        self.origins = Some(origins);
+        Ok(self)
     }
 
     /// Points in the laser's frame, metres.
@@ -29,10 +39,22 @@ impl LaserScan {
         &self.points
     }
 
-    /// Pose of the laser; its origin is where all rays start.
+    /// Where the ray of each point started in the laser's frame, metres, if not all started at its origin.
+    pub fn origins(&self) -> Option<&[[f32; 3]]> {
+        self.origins.as_deref()
+    }
+
+    /// Pose of the laser; its origin is where all rays start that have no origin of their own.
     pub fn map_from_laser(&self) -> &Pose {
         &self.map_from_laser
     }
+}
+
+fn require_finite(what: &'static str, points: &[[f32; 3]]) -> Result<(), CoreError> {
+    for &v in points.iter().flatten() {
+        require(v.is_finite(), what, "finite coordinates", f64::from(v))?;
+    }
+    Ok(())
 }
 
 /// One instant of a recording: a rectified stereo pair, where it was taken, and what the laser saw. Checked when
@@ -156,5 +178,9 @@ mod tests {
     fn laser_points_must_be_finite() {
         assert!(LaserScan::new(vec![[1.0, 2.0, 3.0]], Pose::identity()).is_ok());
         assert!(LaserScan::new(vec![[1.0, f32::NAN, 3.0]], Pose::identity()).is_err());
+        let scan = LaserScan::new(vec![[1.0, 2.0, 3.0]], Pose::identity()).unwrap();
+        assert!(scan.clone().with_origins(vec![[0.0; 3]]).is_ok());
+        assert!(scan.clone().with_origins(vec![]).is_err());
+        assert!(scan.with_origins(vec![[0.0, f32::INFINITY, 0.0]]).is_err());
     }
 }

@@ -8,6 +8,7 @@ mod cost_volume;
 mod disparity;
 mod error;
 mod frame;
+mod hint;
 mod image;
 mod rig;
 
@@ -15,6 +16,7 @@ pub use cost_volume::{CostVolume, NO_COST};
 pub use disparity::{Disparity, Matches};
 pub use error::CoreError;
 pub use frame::{Frame, LaserScan};
+pub use hint::name_hint;
 pub use image::GrayImage;
 pub use rig::StereoRig;
 

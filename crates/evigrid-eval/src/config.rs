@@ -1,5 +1,6 @@
 use std::path::Path;
 
+use evigrid_core::name_hint;
 use evigrid_cost_curve::WinnerTakeAllSettings;
 use evigrid_grid::GridSettings;
 use evigrid_stereo::BlockMatchingSettings;
@@ -180,7 +181,7 @@ fn overlay(base: &mut Table, given: Table, origin: &str, section: &str) -> Resul
     for (key, value) in given {
         let full = format!("{section}{key}");
         if !base.contains_key(&key) {
-            let hint = nearest(&full, base.keys().map(|k| format!("{section}{k}")));
+            let hint = name_hint(&full, base.keys().map(|k| format!("{section}{k}")));
             return Err(ConfigError::Unknown { origin: origin.into(), key: full, hint });
         }
         match (&mut base[&key], value) {
@@ -194,16 +195,6 @@ fn overlay(base: &mut Table, given: Table, origin: &str, section: &str) -> Resul
         }
     }
     Ok(())
-}
-
-/// ` (did you mean ...?)` with the most similar name, or all names where none is similar.
-pub(crate) fn nearest(name: &str, known: impl Iterator<Item = String>) -> String {
-    let known: Vec<_> = known.collect();
-    let similarity = |other: &String| strsim::normalized_damerau_levenshtein(other, name);
-    match known.iter().max_by(|a, b| similarity(a).total_cmp(&similarity(b))) {
-        Some(best) if similarity(best) >= 0.6 => format!(" (did you mean `{best}`?)"),
-        _ => format!(" (there are {})", known.join(", ")),
-    }
 }
 
 /// `a.b=value` as the table `a = { b = value }`.

@@ -1,12 +1,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use evigrid_core::Pose;
+use evigrid_core::{Pose, name_hint};
 use evigrid_grid::GridSpec;
 use evigrid_replay::{Sequence, find_dataset, map_from_world};
 use evigrid_synth::{SyntheticSequence, World};
 
-use crate::config::nearest;
 use crate::{Config, Method, RunInfo};
 
 /// A run whose every setting has been checked; nothing further in validates again.
@@ -62,10 +61,7 @@ fn parse_methods(names: &[String]) -> Result<Vec<Method>> {
     let mut methods = Vec::new();
     for name in names {
         let Some(method) = Method::from_name(name) else {
-            bail!(
-                "unknown method `{name}`{}",
-                nearest(name, Method::ALL.iter().map(|m| m.name().to_owned()))
-            );
+            bail!("unknown method `{name}`{}", name_hint(name, Method::ALL.iter().map(|m| m.name())));
         };
         if methods.contains(&method) {
             bail!("method `{name}` is named twice");
@@ -97,7 +93,7 @@ pub fn data_root() -> PathBuf {
 /// If there is no such world, folder or data set, or it cannot be read.
 pub fn open_dataset(name: &str) -> Result<Box<dyn Sequence>> {
     if let Some(world) = name.strip_prefix("synth:") {
-        return Ok(Box::new(SyntheticSequence::new(World::builtin(world)?)));
+        return Ok(Box::new(SyntheticSequence::new(open_world(world)?)));
     }
     let path = Path::new(name);
     if path.exists() {
@@ -106,13 +102,25 @@ pub fn open_dataset(name: &str) -> Result<Box<dyn Sequence>> {
     let Some(known) = find_dataset(name)? else {
         let known = evigrid_replay::datasets()?.into_iter().map(|d| d.id);
         let worlds = World::builtin_names().map(|w| format!("synth:{w}"));
-        let hint = nearest(name, worlds.chain(known));
+        let hint = name_hint(name, worlds.chain(known));
         bail!("no such data set: expected a folder or a known name, found `{name}`{hint}");
     };
     let dir = known.dir_below(&data_root());
     evigrid_replay::open(&dir).with_context(|| {
         format!("data set {name} is not here (scripts/download_datasets.sh {name} fetches it)")
     })
+}
+
+/// The built-in world of this name, or the world of this TOML file.
+///
+/// # Errors
+/// If there is none, or it is impossible.
+pub fn open_world(name: &str) -> Result<World> {
+    let path = Path::new(name);
+    if path.extension().is_some_and(|extension| extension == "toml") {
+        return Ok(World::from_file(path)?);
+    }
+    Ok(World::builtin(name)?)
 }
 
 /// No recording has more frames.

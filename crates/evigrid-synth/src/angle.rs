@@ -24,6 +24,18 @@ pub fn tilt_down(degrees: f64) -> UnitQuaternion<f64> {
     turn(Vector3::y(), degrees)
 }
 
+/// The attitude of an object or a sensor: rolled about its x axis (right-handed: its left side rises), then pitched
+/// (its front rises), then turned about the vertical.
+pub fn attitude(yaw_deg: f64, pitch_deg: f64, roll_deg: f64) -> UnitQuaternion<f64> {
+    yaw(yaw_deg) * tilt_down(-pitch_deg) * turn(Vector3::x(), roll_deg)
+}
+
+/// The turn about the y axis that raises x to (cos, 0, sin).
+pub fn pitch_up([cos, sin]: [f64; 2]) -> UnitQuaternion<f64> {
+    let q = heading([cos, sin]);
+    UnitQuaternion::new_unchecked(Quaternion::new(q.w, 0.0, -q.k, 0.0))
+}
+
 /// The turn about the z axis that takes x to the unit vector (cos, sin).
 pub fn heading([cos, sin]: [f64; 2]) -> UnitQuaternion<f64> {
     let (w, z) = if cos > 0.0 {
@@ -68,6 +80,16 @@ mod tests {
             assert!((x - Vector3::new(cos, sin, 0.0)).norm() < 1e-12, "{degrees}");
             assert!((yaw(degrees) * Vector3::x() - x).norm() < 1e-12, "{degrees}");
         }
+    }
+
+    #[test]
+    fn pitching_raises_the_front_and_rolling_the_left_side() {
+        let q = attitude(30.0, 20.0, 0.0);
+        assert!((q * Vector3::x() - direction(30.0, 20.0)).norm() < 1e-12);
+        let (sin, cos) = sin_cos_deg(20.0);
+        assert!((pitch_up([cos, sin]) * Vector3::x() - direction(0.0, 20.0)).norm() < 1e-12);
+        let left = attitude(0.0, 0.0, 10.0) * Vector3::y();
+        assert!((left - direction(90.0, 10.0)).norm() < 1e-12);
     }
 
     #[test]

@@ -1,8 +1,10 @@
 use evigrid_core::{Pose, StereoRig};
-use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3};
+use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
-use crate::number::{Count, Finite, NonNegative, Positive, plain};
+use crate::number::{Count, Finite, NonNegative, Positive, Share, vector};
+use crate::random::{Sensor, normal, stream};
 use crate::scene::Ray;
 use crate::{SynthError, angle};
 
@@ -23,14 +25,57 @@ pub struct StereoSpec {
     /// The left camera in the body frame, metres.
     mount_m: [Finite; 3],
     /// How far the cameras look down.
-    #[serde(default = "no_tilt")]
+    #[serde(default)]
     tilt_deg: Finite,
-    /// Standard deviation of the noise of a pixel, grey levels.
-    pub noise_grey: NonNegative,
+    /// What the cameras add to the light; nothing if it is not given.
+    #[serde(default)]
+    pub noise: CameraNoiseSpec,
 }
 
-fn no_tilt() -> Finite {
-    Finite(0.0)
+/// Errors of the cameras as a world describes them.
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraNoiseSpec {
+    /// Standard deviation of a pixel in the dark, grey levels.
+    #[serde(default)]
+    read_grey: NonNegative,
+    /// Shot noise: variance that every grey level of light adds, grey levels.
+    #[serde(default)]
+    shot_grey: NonNegative,
+    /// Share of the light that is lost in the corners; it grows with the square of the distance from the centre.
+    #[serde(default)]
+    vignetting: Share,
+    /// Standard deviation of the change of exposure from one frame to the next, a share; the exposure is pulled
+    /// back by a twentieth of its deviation per frame. Both cameras share it.
+    #[serde(default)]
+    exposure_drift: Share,
+}
+
+impl CameraNoiseSpec {
+    /// The exposure of every frame, relative to that of the first.
+    pub fn exposures(&self, frame_count: usize, seed: u64) -> Vec<f64> {
+        let mut rng = stream(seed, 0, Sensor::Exposure, 0);
+        let next = |&deviation: &f64| Some(0.95 * deviation + self.exposure_drift.0 * normal(&mut rng));
+        let deviations = std::iter::successors(Some(0.0), next);
+        // Never dark, however long the drift.
+        deviations.take(frame_count).map(|d| (1.0 + d).clamp(0.5, 2.0)).collect()
+    }
+
+    /// The share of the light that reaches the pixel (x, y).
+    pub fn transmission(&self, rig: &StereoRig, x: usize, y: usize) -> f64 {
+        let (dx, dy) = (x as f64 - rig.centre_x_px, y as f64 - rig.centre_y_px);
+        let (width, height) = (0.5 * rig.width as f64, 0.5 * rig.height as f64);
+        let share = (dx * dx + dy * dy) / (width * width + height * height);
+        (1.0 - self.vignetting.0 * share).max(0.0)
+    }
+
+    /// The measured grey of a pixel that light of this grey level reaches, not bounded.
+    pub fn measure(&self, light: f64, rng: &mut ChaCha8Rng) -> f64 {
+        // The well is full at 255.
+        let light = light.clamp(0.0, 255.0);
+        let variance = self.read_grey.0 * self.read_grey.0 + self.shot_grey.0 * light;
+        light + variance.sqrt() * normal(rng)
+    }
 }
 
 /// No larger images than this, to bound the memory (about 20 bytes per pixel while a frame is rendered).
@@ -64,7 +109,7 @@ impl StereoSpec {
     /// Pose of the left camera on the body.
     pub fn body_from_left(&self) -> Pose {
         let rotation = angle::tilt_down(self.tilt_deg.0) * angle::body_from_camera_axes();
-        Isometry3::from_parts(Translation3::from(Vector3::from(plain(self.mount_m))), rotation)
+        Isometry3::from_parts(Translation3::from(vector(self.mount_m)), rotation)
     }
 }
 

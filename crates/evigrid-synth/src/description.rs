@@ -1,8 +1,10 @@
 //! The TOML of a world.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
-use nalgebra::{Point3, Vector3};
+use evigrid_core::{Pose, name_hint};
+use nalgebra::{Isometry3, Translation3};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -11,9 +13,11 @@ use crate::laser::LaserSpec;
 use crate::light::LightSpec;
 use crate::material::MaterialSpec;
 use crate::noise::hash;
-use crate::number::{Count, Finite, Positive, plain};
-use crate::scene::Object;
-use crate::shape::ShapeSpec;
+use crate::number::{Count, Finite, Positive, vector};
+use crate::reported_pose::PoseErrorSpec;
+use crate::robot::RobotSpec;
+use crate::shape_spec::{MAX_TRIANGLES, ShapeSpec};
+use crate::thing::{MotionSpec, Part, Thing};
 use crate::trajectory::TrajectorySpec;
 use crate::{SynthError, angle};
 
@@ -31,16 +35,25 @@ pub struct WorldSpec {
     pub rate_hz: Positive,
     /// The drive.
     pub trajectory: TrajectorySpec,
+    /// Errors of the poses that the robot reports; none if it is not given.
+    #[serde(default)]
+    pub reported_pose: PoseErrorSpec,
     /// The cameras.
     pub stereo: StereoSpec,
-    /// The laser scanner, if there is one.
-    pub laser: Option<LaserSpec>,
+    /// The laser scanners.
+    #[serde(default)]
+    pub laser: Vec<LaserSpec>,
+    /// What the robot can drive over; needed for safety maps alone.
+    pub robot: Option<RobotSpec>,
     /// The light.
     pub light: LightSpec,
     /// The materials by their names.
     pub material: BTreeMap<String, MaterialSpec>,
-    /// The shapes.
-    pub object: Vec<ObjectSpec>,
+    /// Things of several parts by their names.
+    #[serde(default)]
+    pub model: BTreeMap<String, ModelSpec>,
+    /// What stands in the world.
+    pub object: Vec<Spanned<ObjectSpec>>,
 }
 
 /// A name that can be part of a file name.
@@ -60,21 +73,63 @@ impl TryFrom<String> for Name {
     }
 }
 
-/// One shape, or a row of equal ones.
+/// A thing of several parts.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelSpec {
+    part: Vec<PartSpec>,
+}
+
+/// A part of a model.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PartSpec {
+    shape: Spanned<ShapeSpec>,
+    /// Its centre in the model's frame, metres.
+    centre_m: [Finite; 3],
+    #[serde(default)]
+    yaw_deg: Finite,
+    #[serde(default)]
+    pitch_deg: Finite,
+    #[serde(default)]
+    roll_deg: Finite,
+    material: Spanned<String>,
+    repeat: Option<RepeatSpec>,
+}
+
+/// A shape or a model in the world, or a row of equal ones.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObjectSpec {
-    /// Its form and size.
-    shape: ShapeSpec,
-    /// Its centre in the world, metres.
+    /// What it is called in tables; copies get numbers.
+    name: Option<Name>,
+    /// Its form and size, if it is one shape.
+    shape: Option<Spanned<ShapeSpec>>,
+    /// Name of its material, if it is one shape.
+    material: Option<Spanned<String>>,
+    /// Name of the model, if it is one.
+    model: Option<Spanned<String>>,
+    /// Its centre (a model's origin) in the world, metres; of a thing that moves along a path, in the path's frame.
     centre_m: [Finite; 3],
     /// Its turn about the vertical, anticlockwise from above.
-    #[serde(default = "no_turn")]
+    #[serde(default)]
     yaw_deg: Finite,
-    /// Name of its material.
-    material: Spanned<String>,
+    /// How far its front (x) is up.
+    #[serde(default)]
+    pitch_deg: Finite,
+    /// How far its left side (y) is up.
+    #[serde(default)]
+    roll_deg: Finite,
     /// Copies of it in a row.
     repeat: Option<RepeatSpec>,
+    /// How it moves; not at all if it is not given.
+    motion: Option<MotionSpec>,
+    /// Its upper face is ground to drive on: it gets a plane in the tables.
+    #[serde(default)]
+    ground: bool,
+    /// Its visible width is measured in every frame.
+    #[serde(default)]
+    board: bool,
 }
 
 /// A row of equal shapes, each with a texture of its own.
@@ -87,12 +142,31 @@ struct RepeatSpec {
     step_m: [Finite; 3],
 }
 
-fn no_turn() -> Finite {
-    Finite(0.0)
+impl RepeatSpec {
+    fn of(repeat: Option<&Self>) -> (usize, [Finite; 3]) {
+        repeat.map_or((1, [Finite(0.0); 3]), |r| (r.count.get(), r.step_m))
+    }
 }
 
-/// No more objects than this, to bound the memory.
-const MAX_OBJECTS: usize = 200_000;
+/// No more shapes than this, to bound the memory.
+const MAX_SHAPES: usize = 200_000;
+
+/// What stands in a world.
+#[derive(Debug, Clone, Default)]
+pub struct Contents {
+    /// The shapes.
+    pub parts: Vec<Part>,
+    /// What they are parts of.
+    pub things: Vec<Thing>,
+}
+
+/// Reads objects one after another.
+struct Builder<'a> {
+    spec: &'a WorldSpec,
+    text: &'a str,
+    folder: Option<&'a Path>,
+    contents: Contents,
+}
 
 impl WorldSpec {
     /// Reads a world; `text` is only needed for messages afterwards.
@@ -103,49 +177,141 @@ impl WorldSpec {
         toml::from_str(text).map_err(|e| SynthError::from_parser(text, &e))
     }
 
-    /// All shapes in their places, repeated ones written out. A material index is the position of the name among
-    /// the sorted names.
+    /// All things and their shapes, repeated ones written out. A material index is the position of the name among
+    /// the sorted names. Mesh files are looked for in `folder`.
     ///
     /// # Errors
-    /// If a material is unknown (with its line in `text`), or there are no objects or far too many.
-    pub fn objects(&self, text: &str) -> Result<Vec<Object>, SynthError> {
-        let counts = self.object.iter().map(|o| o.repeat.as_ref().map_or(1, |r| r.count.get()));
-        let total: usize = counts.sum();
-        if !(1..=MAX_OBJECTS).contains(&total) {
-            return Err(SynthError::value("object", "1 to 200000 objects, repeated ones counted", total));
+    /// If a material, model or file is unknown or unsound (with its line in `text`), or there are no objects or far
+    /// too many.
+    pub fn contents(&self, text: &str, folder: Option<&Path>) -> Result<Contents, SynthError> {
+        let mut builder = Builder { spec: self, text, folder, contents: Contents::default() };
+        let [shapes, triangles] = builder.sizes()?;
+        if !(1..=MAX_SHAPES).contains(&shapes) {
+            return Err(SynthError::value("object", "1 to 200000 shapes, repeated ones counted", shapes));
         }
-        let mut objects = Vec::with_capacity(total);
-        for spec in &self.object {
-            let material = self.material_index(&spec.material, text)?;
-            spec.place(material, self.seed, &mut objects);
+        if triangles > MAX_TRIANGLES {
+            let expected = format!("at most {MAX_TRIANGLES} triangles, repeated ones counted");
+            return Err(SynthError::value("object", expected, triangles));
         }
-        Ok(objects)
-    }
-
-    fn material_index(&self, name: &Spanned<String>, text: &str) -> Result<usize, SynthError> {
-        self.material.keys().position(|known| known == name.get_ref()).ok_or_else(|| {
-            let known = self.material.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
-            let reason = format!("unknown material, expected one of {known}");
-            SynthError::at(text, name.span().start, &reason)
-        })
+        for object in &self.object {
+            builder.add(object)?;
+        }
+        Ok(builder.contents)
     }
 }
 
-impl ObjectSpec {
-    /// Adds the object and its copies; the texture seed comes from the world's seed and the object's number.
-    fn place(&self, material: usize, seed: u32, objects: &mut Vec<Object>) {
-        let shape = self.shape.build();
-        let world_from_local = angle::yaw(self.yaw_deg.0).to_rotation_matrix().into_inner();
-        let (count, step) = self.repeat.as_ref().map_or((1, [0.0; 3]), |r| (r.count.get(), plain(r.step_m)));
-        for i in 0..count {
-            let offset = Vector3::from(step) * i as f64;
-            objects.push(Object {
-                shape: shape.clone(),
-                centre: Point3::from(plain(self.centre_m)) + offset,
-                local_from_world: world_from_local.transpose(),
-                material,
-                seed: hash(objects.len() as u32, 1, seed),
-            });
+impl<'a> Builder<'a> {
+    /// How many shapes and triangles there will be.
+    fn sizes(&self) -> Result<[usize; 2], SynthError> {
+        let mut sizes = [0_usize; 2];
+        let mut add = |copies: usize, shape: &ShapeSpec| {
+            sizes[0] = sizes[0].saturating_add(copies);
+            sizes[1] = sizes[1].saturating_add(copies.saturating_mul(shape.triangles()));
+        };
+        for object in self.spec.object.iter().map(Spanned::get_ref) {
+            let (copies, _) = RepeatSpec::of(object.repeat.as_ref());
+            if let Some(shape) = &object.shape {
+                add(copies, shape.get_ref());
+            }
+            if let Some(model) = &object.model {
+                for part in &self.model(model)?.part {
+                    let (of_part, _) = RepeatSpec::of(part.repeat.as_ref());
+                    add(copies.saturating_mul(of_part), part.shape.get_ref());
+                }
+            }
         }
+        Ok(sizes)
+    }
+
+    fn add(&mut self, object: &Spanned<ObjectSpec>) -> Result<(), SynthError> {
+        let (line, object) = (object.span().start, object.get_ref());
+        let (count, step) = RepeatSpec::of(object.repeat.as_ref());
+        let rotation = angle::attitude(object.yaw_deg.0, object.pitch_deg.0, object.roll_deg.0);
+        for i in 0..count {
+            let offset = vector(object.centre_m) + vector(step) * i as f64;
+            let name = object.name.as_ref().map(|Name(name)| match count {
+                1 => name.clone(),
+                _ => format!("{name}-{}", i + 1),
+            });
+            let first_part = self.contents.parts.len();
+            match (&object.shape, &object.material, &object.model) {
+                (Some(shape), Some(material), None) => self.part(shape, material, Pose::identity())?,
+                (None, None, Some(model)) => {
+                    for part in &self.model(model)?.part {
+                        self.parts(part)?;
+                    }
+                }
+                _ => {
+                    let reason = "expected either `shape` and `material`, or `model`";
+                    return Err(SynthError::at(self.text, line, reason));
+                }
+            }
+            let at = Isometry3::from_parts(Translation3::from(offset), rotation);
+            let parts = first_part..self.contents.parts.len();
+            let mut thing = Thing::new(name, at, object.motion.as_ref(), parts, &self.contents.parts)
+                .map_err(|reason| SynthError::at(self.text, line, &reason.to_string()))?;
+            (thing.is_ground, thing.is_board) = (object.ground, object.board);
+            self.contents.things.push(thing);
+        }
+        Ok(())
+    }
+
+    fn parts(&mut self, part: &PartSpec) -> Result<(), SynthError> {
+        let (count, step) = RepeatSpec::of(part.repeat.as_ref());
+        let rotation = angle::attitude(part.yaw_deg.0, part.pitch_deg.0, part.roll_deg.0);
+        for i in 0..count {
+            let centre = vector(part.centre_m) + vector(step) * i as f64;
+            let pose = Isometry3::from_parts(Translation3::from(centre), rotation);
+            self.part(&part.shape, &part.material, pose)?;
+        }
+        Ok(())
+    }
+
+    /// Adds a shape; its texture seed comes from the world's seed and its number.
+    fn part(
+        &mut self,
+        shape: &Spanned<ShapeSpec>,
+        material: &Spanned<String>,
+        pose: Pose,
+    ) -> Result<(), SynthError> {
+        let seed = hash(self.contents.parts.len() as u32, 1, self.spec.seed);
+        let (built, thing_from_shape) = shape
+            .get_ref()
+            .build(seed, self.folder)
+            .map_err(|reason| SynthError::at(self.text, shape.span().start, &reason))?;
+        self.contents.parts.push(Part {
+            shape: built,
+            thing: self.contents.things.len(),
+            thing_from_local: pose * thing_from_shape,
+            material: self.material_index(material)?,
+            seed,
+        });
+        Ok(())
+    }
+
+    fn material_index(&self, name: &Spanned<String>) -> Result<usize, SynthError> {
+        let mut names = self.spec.material.keys();
+        names
+            .position(|known| known == name.get_ref())
+            .ok_or_else(|| self.unknown("material", name, self.spec.material.keys()))
+    }
+
+    fn model(&self, name: &Spanned<String>) -> Result<&'a ModelSpec, SynthError> {
+        let known = self.spec.model.get(name.get_ref());
+        known.ok_or_else(|| self.unknown("model", name, self.spec.model.keys()))
+    }
+
+    fn unknown<'k>(
+        &self,
+        what: &str,
+        name: &Spanned<String>,
+        known: impl Iterator<Item = &'k String>,
+    ) -> SynthError {
+        let known: Vec<&str> = known.map(String::as_str).collect();
+        let reason = match known[..] {
+            [] => format!("unknown {what}, there are none"),
+            _ => format!("unknown {what}{}", name_hint(name.get_ref(), known)),
+        };
+        SynthError::at(self.text, name.span().start, &reason)
     }
 }

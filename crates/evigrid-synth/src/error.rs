@@ -1,3 +1,7 @@
+use std::path::PathBuf;
+
+use evigrid_core::name_hint;
+
 /// Why a world could not be built; the message is one line.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SynthError {
@@ -22,12 +26,20 @@ pub enum SynthError {
         found: String,
     },
     /// A built-in world that does not exist.
-    #[error("no built-in world `{name}`: expected one of {known}")]
+    #[error("no built-in world `{name}`{hint}")]
     UnknownWorld {
         /// The name asked for.
         name: String,
-        /// The names there are.
-        known: String,
+        /// The nearest name, or all there are.
+        hint: String,
+    },
+    /// A world's file that cannot be read or holds no world.
+    #[error("{message} ({})", path.display())]
+    File {
+        /// What is wrong.
+        message: String,
+        /// The file.
+        path: PathBuf,
     },
 }
 
@@ -48,6 +60,16 @@ impl SynthError {
 
     /// The error that the TOML parser gave for `text`.
     pub(crate) fn from_parser(text: &str, error: &toml::de::Error) -> Self {
-        Self::at(text, error.span().map_or(0, |span| span.start), error.message())
+        let offset = error.span().map_or(0, |span| span.start);
+        Self::at(text, offset, &with_hint(error.message()).unwrap_or_else(|| error.message().to_owned()))
     }
+}
+
+/// The parser's "unknown field `x`, expected one of `a`, `b`" with the nearest name instead of the list.
+fn with_hint(message: &str) -> Option<String> {
+    let (start, list) = message.split_once(", expected ")?;
+    let unknown =
+        start.strip_prefix("unknown field `").or_else(|| start.strip_prefix("unknown variant `"))?;
+    let known = list.split('`').skip(1).step_by(2);
+    Some(format!("{start}{}", name_hint(unknown.trim_end_matches('`'), known)))
 }

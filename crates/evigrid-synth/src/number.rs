@@ -1,5 +1,6 @@
 //! Numbers of a world description that are checked while they are read, so that the parser can name the line.
 
+use nalgebra::Vector3;
 use serde::Deserialize;
 
 /// Declares a number type that refuses values outside `$range`.
@@ -25,6 +26,7 @@ macro_rules! checked_number {
 
 checked_number!(
     /// A coordinate or an angle in degrees.
+    #[derive(Default)]
     Finite, f64, "f64", -1e6..=1e6, "a number from -1e6 to 1e6"
 );
 checked_number!(
@@ -33,7 +35,13 @@ checked_number!(
 );
 checked_number!(
     /// A spread or a strength.
+    #[derive(Default)]
     NonNegative, f64, "f64", 0.0..=1e6, "a number from 0 to 1e6"
+);
+checked_number!(
+    /// A share of a whole.
+    #[derive(Default)]
+    Share, f64, "f64", 0.0..=1.0, "a number from 0 to 1"
 );
 checked_number!(
     /// A grey level in full light.
@@ -55,7 +63,7 @@ impl Count {
     }
 }
 
-/// The plain numbers of a triple.
-pub fn plain(triple: [Finite; 3]) -> [f64; 3] {
-    triple.map(|v| v.0)
+/// A triple of numbers as a vector.
+pub fn vector(triple: [Finite; 3]) -> Vector3<f64> {
+    Vector3::from(triple.map(|v| v.0))
 }

@@ -7,18 +7,34 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 #[derive(Debug, Clone, Copy)]
 pub enum Sensor {
     /// The left camera; a row is an image row.
-    Left = 0,
+    Left,
     /// The right camera; a row is an image row.
-    Right = 1,
-    /// The laser; a row is a beam.
-    Laser = 2,
+    Right,
+    /// A laser scanner by its number; a row is a beam.
+    Laser(usize),
+    /// The reported poses.
+    Pose,
+    /// The cameras' exposure.
+    Exposure,
+}
+
+impl Sensor {
+    fn number(self) -> u64 {
+        match self {
+            Self::Left => 0,
+            Self::Right => 1,
+            Self::Pose => 2,
+            Self::Exposure => 3,
+            Self::Laser(scanner) => 4 + scanner as u64,
+        }
+    }
 }
 
 /// The random stream of one row of one sensor in one frame. Streams of different arguments are independent, so
 /// rows can be computed in any order by any number of threads.
 pub fn stream(seed: u64, frame: usize, sensor: Sensor, row: usize) -> ChaCha8Rng {
     let mut key = [0; 32];
-    let words = [seed, frame as u64, sensor as u64, row as u64];
+    let words = [seed, frame as u64, sensor.number(), row as u64];
     for (bytes, word) in key.chunks_exact_mut(8).zip(words) {
         bytes.copy_from_slice(&word.to_le_bytes());
     }
@@ -40,7 +56,7 @@ mod tests {
 
     #[test]
     fn the_sum_is_nearly_normal() {
-        let mut rng = stream(1, 2, Sensor::Laser, 3);
+        let mut rng = stream(1, 2, Sensor::Laser(0), 3);
         let draws: Vec<f64> = (0..200_000).map(|_| normal(&mut rng)).collect();
         let mean = |f: &dyn Fn(f64) -> f64| draws.iter().map(|&v| f(v)).sum::<f64>() / draws.len() as f64;
         assert!(mean(&|v| v).abs() < 0.01);

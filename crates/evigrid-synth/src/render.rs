@@ -6,11 +6,13 @@ use rayon::prelude::*;
 
 use crate::camera::Camera;
 use crate::light::Light;
+use crate::material::Material;
 use crate::noise::{Footprint, hash};
-use crate::scene::{Hit, Ray, Scene};
+use crate::scene::{Hint, Hit, Ray, Scene};
+use crate::shape::SurfacePoint;
 
 /// Beyond this the renderer sees sky, metres.
-const FAR_M: f64 = 1e5;
+pub const FAR_M: f64 = 1e5;
 
 /// How far off a surface its shadow ray starts, metres.
 const SHADOW_OFFSET_M: f64 = 1e-3;
@@ -34,9 +36,10 @@ pub struct Sample {
     key: u32,
 }
 
-/// A scene and its light, ready to be seen.
+/// A scene, its materials and its light, ready to be seen.
 pub struct View<'a> {
     pub scene: &'a Scene,
+    pub materials: &'a [Material],
     pub light: &'a Light,
 }
 
@@ -47,10 +50,11 @@ impl View<'_> {
         let samples = self.centres(camera);
         let mut image = vec![0.0; samples.len()];
         image.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            let mut hint = Hint::default();
             for (x, grey) in row.iter_mut().enumerate() {
                 *grey = samples[y * width + x].grey;
                 if is_edge(&samples, width, x, y) {
-                    *grey = self.mean_with_edge_rays(camera, (x, y), *grey);
+                    *grey = self.mean_with_edge_rays(camera, (x, y), *grey, &mut hint);
                 }
             }
         });
@@ -62,53 +66,57 @@ impl View<'_> {
         let (width, height) = camera.size();
         let mut samples = vec![Sample { grey: 0.0, key: SKY }; width * height];
         samples.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            let mut hint = Hint::default();
             for (x, sample) in row.iter_mut().enumerate() {
-                *sample = self.sample(camera, x as f64, y as f64);
+                *sample = self.sample(camera, x as f64, y as f64, &mut hint);
             }
         });
         samples
     }
 
-    fn mean_with_edge_rays(&self, camera: &Camera, (x, y): (usize, usize), centre: f32) -> f32 {
+    fn mean_with_edge_rays(
+        &self,
+        camera: &Camera,
+        (x, y): (usize, usize),
+        centre: f32,
+        hint: &mut Hint,
+    ) -> f32 {
         // Each part is as bright as a camera can show, so that the sky does not shine through a pole.
         let bounded = |grey: f32| grey.clamp(0.0, 255.0);
-        let off_centre = |d: f64| bounded(self.sample(camera, x as f64 + d, y as f64 + d).grey);
+        let off_centre = |d: f64| bounded(self.sample(camera, x as f64 + d, y as f64 + d, hint).grey);
         let sum: f32 = EDGE_RAYS.into_iter().map(off_centre).sum();
         (bounded(centre) + sum) / 3.0
     }
 
     /// What the image point (x, y) of a camera sees, pixels.
-    pub fn sample(&self, camera: &Camera, x: f64, y: f64) -> Sample {
+    pub fn sample(&self, camera: &Camera, x: f64, y: f64, hint: &mut Hint) -> Sample {
         let (ray, width_per_metre) = camera.ray(x, y);
-        match self.scene.cast(&ray, FAR_M) {
+        match self.scene.cast(&ray, FAR_M, hint) {
             None => Sample { grey: self.light.sky(&ray.direction), key: SKY },
-            Some(hit) => self.shade(&ray, &hit, width_per_metre),
+            Some(hit) => self.shade(&ray, &hit, width_per_metre, hint),
         }
     }
 
-    fn shade(&self, ray: &Ray, hit: &Hit, width_per_metre: f64) -> Sample {
+    fn shade(&self, ray: &Ray, hit: &Hit, width_per_metre: f64, hint: &mut Hint) -> Sample {
         let object = self.scene.object(hit.object);
-        let (axis, is_positive) = dominant_axis(&hit.local_normal);
-        let side = 2 * axis as u32 + u32::from(is_positive);
+        let surface = object.shape.surface_point(&hit.local_point, &hit.local_normal);
         let local_direction = object.local_from_world * ray.direction;
-        let footprint = footprint(axis, hit, &local_direction, hit.range_m * width_per_metre);
-        let seed = hash(side, 0, object.seed);
-        let point = surface_coordinates(axis, &hit.local_point);
-        let full = self.scene.material(object).grey(point, &footprint, seed);
-        let normal = object.local_from_world.tr_mul(&hit.local_normal);
-        let cosine = self.sunlight(&ray.at(hit.range_m), &normal);
-        let key = (hit.object as u32) << 4 | side << 1 | u32::from(cosine > 0.0);
+        let footprint = footprint(&surface, hit, &local_direction, hit.range_m * width_per_metre);
+        let seed = hash(surface.side, 0, object.seed);
+        let full = self.materials[object.material].grey(surface.uv, &footprint, seed);
+        let cosine = self.sunlight(&ray.at(hit.range_m), &object.in_world(&hit.local_normal), hint);
+        let key = (hit.object as u32) << 4 | surface.side << 1 | u32::from(cosine > 0.0);
         Sample { grey: full * self.light.strength(cosine) as f32, key }
     }
 
     /// Cosine at which sunlight meets a surface point; 0 in the shade.
-    fn sunlight(&self, point: &Point3<f64>, normal: &Vector3<f64>) -> f64 {
+    fn sunlight(&self, point: &Point3<f64>, normal: &Vector3<f64>, hint: &mut Hint) -> f64 {
         let cosine = self.light.sun_cosine(normal);
         if cosine == 0.0 || !self.light.shadows {
             return cosine;
         }
         let ray = Ray { origin: point + normal * SHADOW_OFFSET_M, direction: self.light.to_sun };
-        if self.scene.blocks(&ray, FAR_M) { 0.0 } else { cosine }
+        if self.scene.blocks(&ray, FAR_M, hint) { 0.0 } else { cosine }
     }
 }
 
@@ -125,29 +133,13 @@ fn is_edge(samples: &[Sample], width: usize, x: usize, y: usize) -> bool {
         || differs(at + width)
 }
 
-/// The axis along which a normal is longest, and whether it points in the positive direction.
-fn dominant_axis(normal: &Vector3<f64>) -> (usize, bool) {
-    let axis = normal.iamax();
-    (axis, normal[axis] > 0.0)
-}
-
-/// The two local coordinates (u, v) of a surface point across the dominant axis of its normal: u level and v up
-/// on upright faces, (x, y) on level ones.
-fn surface_coordinates(axis: usize, point: &Vector3<f64>) -> [f64; 2] {
-    match axis {
-        0 => [point.y, point.z],
-        1 => [point.x, point.z],
-        _ => [point.x, point.y],
-    }
-}
-
 /// What a pixel `width_m` wide covers of the surface. Along the slant its length is width / cos(angle of view);
 /// the part beyond the width is width * tan, hence the span below.
-fn footprint(axis: usize, hit: &Hit, local_direction: &Vector3<f64>, width_m: f64) -> Footprint {
+fn footprint(surface: &SurfacePoint, hit: &Hit, local_direction: &Vector3<f64>, width_m: f64) -> Footprint {
     let along_normal = local_direction.dot(&hit.local_normal);
     let tangential = local_direction - hit.local_normal * along_normal;
     let span = tangential * (width_m / along_normal.abs().max(1e-4));
-    Footprint { width_m, span_m: surface_coordinates(axis, &span) }
+    Footprint { width_m, span_m: surface.tangents.map(|tangent| span.dot(&tangent)) }
 }
 
 #[cfg(test)]

@@ -8,14 +8,15 @@ const BOX: &str = include_str!("../tests/box.toml");
 /// What the left and the right camera of a frame see at the projections of a world point; `None` where it is
 /// outside an image or hidden from a camera.
 fn greys_of_point(world: &World, frame: usize, point: &Point3<f64>) -> Option<(f32, f32)> {
-    let world_from_left = world.world_from_left(frame);
+    let world_from_left = world.true_world_from_left(frame);
+    let scene = world.scene(frame);
     let in_left = world_from_left.inverse_transform_point(point);
     let (x, y) = world.rig.project(&in_left)?;
     let right_x = x - world.rig.disparity_px(in_left.z);
     let inside = |x: f64| x >= 0.0 && x <= (world.rig.width - 1) as f64;
     let seen = |camera: &Camera, x: f64| {
         let (ray, _) = camera.ray(x, y);
-        let hit = world.scene.cast(&ray, FAR_M)?;
+        let hit = scene.cast(&ray, FAR_M, &mut Hint::default())?;
         ((ray.at(hit.range_m) - point).norm() < 1e-4).then_some(())
     };
     let (left, right) =
@@ -23,8 +24,8 @@ fn greys_of_point(world: &World, frame: usize, point: &Point3<f64>) -> Option<(f
     (inside(x) && inside(right_x)).then_some(())?;
     seen(&left, x)?;
     seen(&right, right_x)?;
-    let view = View { scene: &world.scene, light: &world.light };
-    let grey = |camera: &Camera, x: f64| view.sample(camera, x, y).grey;
+    let view = View { scene: &scene, materials: &world.materials, light: &world.light };
+    let grey = |camera: &Camera, x: f64| view.sample(camera, x, y, &mut Hint::default()).grey;
     Some((grey(&left, x), grey(&right, right_x)))
 }
 
@@ -52,12 +53,12 @@ fn both_cameras_see_the_same_grey_at_a_point_of_the_box() {
 #[test]
 fn the_street_looks_the_same_from_both_cameras() {
     let world = World::builtin("street").unwrap();
-    let left = Camera::left(world.rig, &world.world_from_left(5));
-    let mut differences = Vec::new();
+    let left = Camera::left(world.rig, &world.true_world_from_left(5));
+    let (mut differences, scene) = (Vec::new(), world.scene(5));
     for y in (0..world.rig.height).step_by(7) {
         for x in (0..world.rig.width).step_by(7) {
             let (ray, _) = left.ray(x as f64, y as f64);
-            let hit = world.scene.cast(&ray, FAR_M);
+            let hit = scene.cast(&ray, FAR_M, &mut Hint::default());
             let greys = hit.and_then(|hit| greys_of_point(&world, 5, &ray.at(hit.range_m)));
             differences.extend(greys.map(|(left, right)| (left - right).abs()));
         }
@@ -70,13 +71,13 @@ fn the_street_looks_the_same_from_both_cameras() {
 fn the_ground_is_met_at_height_over_sine() {
     let tilted = BOX.replace("baseline_m", "tilt_deg = 7.0\nbaseline_m");
     let world = World::from_toml(&tilted).unwrap();
-    let camera = Camera::left(world.rig, &world.world_from_left(0));
-    let mut met = 0;
+    let camera = Camera::left(world.rig, &world.true_world_from_left(0));
+    let (mut met, scene) = (0, world.scene(0));
     for y in 0..world.rig.height {
         // At the left border the box is out of the way.
         let angle = ((y as f64 - 47.5) / 120.0).atan() + 7_f64.to_radians();
         let (ray, _) = camera.ray(79.5, y as f64);
-        let Some(hit) = world.scene.cast(&ray, FAR_M) else { continue };
+        let Some(hit) = scene.cast(&ray, FAR_M, &mut Hint::default()) else { continue };
         let expected = 1.5 / angle.sin();
         if hit.object == 0 {
             met += 1;
@@ -93,10 +94,11 @@ fn the_ground_is_met_at_height_over_sine() {
 #[test]
 fn the_box_shades_the_ground_on_the_side_away_from_the_sun() {
     let world = World::from_toml(BOX).unwrap();
-    let view = View { scene: &world.scene, light: &world.light };
+    let scene = world.scene(0);
+    let view = View { scene: &scene, materials: &world.materials, light: &world.light };
     let up = Vector3::z();
     // The sun stands in the direction (-0.94, 0.34) at 50 degrees: the shadow of the 3 m high box is 2.5 m long.
-    let lit = |x, y| view.sunlight(&Point3::new(x, y, 0.0), &up) > 0.0;
+    let lit = |x, y| view.sunlight(&Point3::new(x, y, 0.0), &up, &mut Hint::default()) > 0.0;
     assert!(!lit(9.0 + 0.94 * 1.5, 1.0 - 0.34 * 1.5));
     assert!(lit(9.0 - 0.94 * 1.5, 1.0 + 0.34 * 1.5));
     assert!(lit(9.0 + 0.94 * 4.5, 1.0 - 0.34 * 4.5));
@@ -105,7 +107,7 @@ fn the_box_shades_the_ground_on_the_side_away_from_the_sun() {
 #[test]
 fn the_sky_is_above_the_horizon() {
     let world = World::from_toml(BOX).unwrap();
-    let camera = Camera::left(world.rig, &world.world_from_left(0));
-    let image = View { scene: &world.scene, light: &world.light }.image(&camera);
+    let (camera, scene) = (Camera::left(world.rig, &world.true_world_from_left(0)), world.scene(0));
+    let image = View { scene: &scene, materials: &world.materials, light: &world.light }.image(&camera);
     assert!(image[..10].iter().all(|&grey| (210.0..=240.0).contains(&grey)), "{:?}", &image[..10]);
 }

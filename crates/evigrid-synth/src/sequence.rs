@@ -6,8 +6,10 @@ use rayon::prelude::*;
 
 use crate::World;
 use crate::camera::Camera;
-use crate::random::{Sensor, normal, stream};
+use crate::laser::{Place, Sweep};
+use crate::random::{Sensor, stream};
 use crate::render::View;
+use crate::scene::Scene;
 
 /// A synthetic world as a recording: every frame is rendered when it is asked for, with all its rows in parallel
 /// on the current rayon pool.
@@ -24,7 +26,7 @@ impl SyntheticSequence {
             id: world.name.clone(),
             layout: "synthetic",
             rig: world.rig,
-            frame_count: world.frame_count,
+            frame_count: world.frame_count(),
         };
         Self { world, info }
     }
@@ -43,45 +45,73 @@ impl SyntheticSequence {
     }
 
     fn render(&self, index: usize, map_from_world: &Pose) -> Result<Frame, CoreError> {
-        let world_from_left = self.world.world_from_left(index);
-        let rig = self.world.rig;
+        let (world, rig) = (&self.world, self.world.rig);
+        let scene = world.scene(index);
+        let view = View { scene: &scene, materials: &world.materials, light: &world.light };
+        let world_from_left = world.true_world_from_left(index);
         Frame::new(
             index,
-            self.world.stamp_ns(index),
+            world.stamp_ns(index),
             rig,
-            self.photograph(&Camera::left(rig, &world_from_left), index, Sensor::Left)?,
-            self.photograph(&Camera::right(rig, &world_from_left), index, Sensor::Right)?,
-            map_from_world * world_from_left,
-            self.scan(index, map_from_world)?,
+            self.photograph(&view, &Camera::left(rig, &world_from_left), index, Sensor::Left)?,
+            self.photograph(&view, &Camera::right(rig, &world_from_left), index, Sensor::Right)?,
+            map_from_world * world.reported_world_from_left(index),
+            self.scan(&scene, index, map_from_world)?,
         )
     }
 
-    fn photograph(&self, camera: &Camera, frame: usize, sensor: Sensor) -> Result<GrayImage, CoreError> {
+    fn photograph(
+        &self,
+        view: &View<'_>,
+        camera: &Camera,
+        frame: usize,
+        sensor: Sensor,
+    ) -> Result<GrayImage, CoreError> {
         let world = &self.world;
-        let exposed = View { scene: &world.scene, light: &world.light }.image(camera);
+        let light = view.image(camera);
         let (width, height) = camera.size();
-        let mut pixels = vec![0; exposed.len()];
-        pixels.par_chunks_mut(width).zip(exposed.par_chunks(width)).enumerate().for_each(
-            |(row, (pixels, exposed))| {
-                let mut rng = stream(world.seed, frame, sensor, row);
-                for (pixel, grey) in pixels.iter_mut().zip(exposed) {
-                    let noisy = f64::from(*grey) + world.noise_grey * normal(&mut rng);
+        let exposure = world.exposures[frame];
+        let mut pixels = vec![0; light.len()];
+        pixels.par_chunks_mut(width).zip(light.par_chunks(width)).enumerate().for_each(
+            |(y, (pixels, light))| {
+                let mut rng = stream(world.seed, frame, sensor, y);
+                for (x, (pixel, &grey)) in pixels.iter_mut().zip(light).enumerate() {
+                    let light = f64::from(grey) * exposure * world.noise.transmission(&world.rig, x, y);
                     // A cast from float to integer stops at the ends of the range.
-                    *pixel = (noisy + 0.5) as u8;
+                    *pixel = (world.noise.measure(light, &mut rng) + 0.5) as u8;
                 }
             },
         );
         GrayImage::new(width, height, pixels)
     }
 
-    fn scan(&self, frame: usize, map_from_world: &Pose) -> Result<Option<LaserScan>, CoreError> {
+    /// The scans of all scanners that are due, in the frame of the first of these.
+    fn scan(
+        &self,
+        scene: &Scene,
+        frame: usize,
+        map_from_world: &Pose,
+    ) -> Result<Option<LaserScan>, CoreError> {
         let world = &self.world;
-        let sweep = |laser: &crate::laser::Laser| {
-            let world_from_laser = world.world_from_body(frame) * laser.body_from_laser();
-            let points = laser.sweep(&world.scene, &world_from_laser, world.seed, frame);
-            LaserScan::new(points, map_from_world * world_from_laser)
-        };
-        world.laser.as_ref().map(sweep).transpose()
+        let time_s = world.time_s(frame);
+        let before_s = frame.checked_sub(1).map(|before| world.time_s(before));
+        let world_from_body = |delay_s: f64| world.world_from_body(time_s + delay_s);
+        let mut due = world.lasers.iter().enumerate().filter(|(_, l)| l.is_due(time_s, before_s)).peekable();
+        let Some(&(_, first)) = due.peek() else { return Ok(None) };
+        let first_from_body = first.body_from_laser().inverse();
+        let mut all = Sweep::default();
+        for (scanner, laser) in due {
+            let seed = world.seed;
+            let sweep =
+                laser.sweep(&Place { scene, world_from_body: &world_from_body, seed, frame, scanner });
+            all.extend(sweep, &(first_from_body * laser.body_from_laser()));
+        }
+        let map_from_first = map_from_world * world.reported_world_from_laser(frame, first);
+        let scan = LaserScan::new(all.points, map_from_first)?;
+        if all.origins.iter().all(|origin| *origin == [0.0; 3]) {
+            return Ok(Some(scan));
+        }
+        scan.with_origins(all.origins).map(Some)
     }
 }
 
@@ -92,7 +122,7 @@ impl Sequence for SyntheticSequence {
 
     fn world_from_left(&self, index: usize) -> Result<Pose, ReplayError> {
         self.require(index)?;
-        Ok(self.world.world_from_left(index))
+        Ok(self.world.reported_world_from_left(index))
     }
 
     fn frame(&self, index: usize, map_from_world: &Pose) -> Result<Frame, ReplayError> {

@@ -1,67 +1,106 @@
-use evigrid_core::{Pose, StereoRig};
+use std::path::Path as FilePath;
+use std::sync::Arc;
+
+use evigrid_core::{Pose, StereoRig, name_hint};
 
 use crate::SynthError;
-use crate::camera::Camera;
-use crate::description::WorldSpec;
+use crate::camera::{Camera, CameraNoiseSpec};
+use crate::description::{Contents, WorldSpec};
 use crate::laser::Laser;
 use crate::light::Light;
 use crate::material::Material;
+use crate::robot::RobotSpec;
 use crate::scene::Scene;
 use crate::trajectory::Path;
 
 /// The built-in worlds by name.
 const BUILTIN: [(&str, &str); 1] = [("street", include_str!("../../../datasets/synth/street.toml"))];
 
-/// A synthetic world: a scene, and a vehicle with a stereo rig and perhaps a laser scanner that drives through it.
+/// A synthetic world: a scene, and a vehicle with a stereo rig and perhaps laser scanners that drives through it.
 /// Checked when built, never changed.
 #[derive(Clone)]
 pub struct World {
     pub(crate) name: String,
     pub(crate) seed: u64,
-    pub(crate) frame_count: usize,
-    rate_hz: f64,
-    speed_mps: f64,
-    path: Path,
     pub(crate) rig: StereoRig,
-    pub(crate) noise_grey: f64,
-    body_from_left: Pose,
-    pub(crate) laser: Option<Laser>,
+    pub(crate) noise: CameraNoiseSpec,
+    pub(crate) lasers: Vec<Laser>,
     pub(crate) light: Light,
-    pub(crate) scene: Scene,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) contents: Contents,
+    pub(crate) robot: Option<RobotSpec>,
+    /// Exposure of each frame relative to the first.
+    pub(crate) exposures: Vec<f64>,
+    rate_hz: f64,
+    path: Path,
+    body_from_left: Pose,
+    /// Reported pose of the body at each frame.
+    reported: Vec<Pose>,
+    has_pose_errors: bool,
+    /// The scene, if nothing moves in it.
+    still: Option<Arc<Scene>>,
 }
 
 impl std::fmt::Debug for World {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("World").field("name", &self.name).field("frame_count", &self.frame_count).finish()
+        f.debug_struct("World").field("name", &self.name).field("frames", &self.frame_count()).finish()
     }
 }
 
 impl World {
-    /// The world that a TOML text describes; `datasets/synth/street.toml` shows and explains every key.
+    /// The world that a TOML text describes; docs/synthetic.md explains every key. A text has no folder, so it
+    /// cannot name mesh files.
     ///
     /// # Errors
-    /// If the text is no TOML; if a key is unknown, missing or has an impossible value; if a material is unknown;
-    /// if the way-points are too close, turn too sharply or do not suffice for all frames; if a camera ever is
-    /// inside a shape; if the world is too large to be rendered in bounded memory. The message is one line that
+    /// If the text is no TOML; if a key is unknown, missing or has an impossible value; if a material or model is
+    /// unknown; if the way-points are too close, turn too sharply or do not suffice for all frames; if a camera ever
+    /// is inside a shape; if the world is too large to be rendered in bounded memory. The message is one line that
     /// names the key or the line.
     pub fn from_toml(text: &str) -> Result<Self, SynthError> {
+        Self::build(text, None)
+    }
+
+    /// The world of a TOML file, with mesh files beside it.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or as [`Self::from_toml`]; the message ends with the path.
+    pub fn from_file(path: &FilePath) -> Result<Self, SynthError> {
+        let in_file = |message: String| SynthError::File { message, path: path.to_owned() };
+        let text = std::fs::read_to_string(path).map_err(|e| in_file(e.to_string()))?;
+        let folder = path.parent().unwrap_or(FilePath::new(""));
+        Self::build(&text, Some(folder)).map_err(|e| in_file(e.to_string()))
+    }
+
+    fn build(text: &str, folder: Option<&FilePath>) -> Result<Self, SynthError> {
         let spec = WorldSpec::parse(text)?;
-        let objects = spec.objects(text)?;
-        let world = Self {
-            seed: u64::from(spec.seed),
-            frame_count: spec.frames.get(),
-            rate_hz: spec.rate_hz.0,
-            speed_mps: spec.trajectory.speed_mps.0,
-            path: Path::new(&spec.trajectory)?,
+        let contents = spec.contents(text, folder)?;
+        let path = Path::new(&spec.trajectory, "trajectory.waypoints")?;
+        let (seed, frame_count, rate_hz) = (u64::from(spec.seed), spec.frames.get(), spec.rate_hz.0);
+        check_length(&path, frame_count, rate_hz)?;
+        let poses: Vec<Pose> =
+            (0..frame_count).map(|frame| path.world_from_body(frame as f64 / rate_hz)).collect();
+        let laser = |(i, laser)| Laser::new(laser, rate_hz, &format!("laser {i}"));
+        let mut world = Self {
+            seed,
+            rate_hz,
             rig: spec.stereo.rig()?,
-            noise_grey: spec.stereo.noise_grey.0,
+            noise: spec.stereo.noise,
+            exposures: spec.stereo.noise.exposures(frame_count, seed),
             body_from_left: spec.stereo.body_from_left(),
-            laser: spec.laser.as_ref().map(Laser::new).transpose()?,
+            reported: spec.reported_pose.reported(&poses, path.is_in_the_air(), seed),
+            has_pose_errors: !spec.reported_pose.is_none(),
+            path,
+            lasers: spec.laser.iter().enumerate().map(laser).collect::<Result<_, _>>()?,
+            robot: spec.robot,
             light: Light::new(&spec.light),
-            scene: Scene::new(objects, spec.material.into_values().map(Material::new).collect()),
+            materials: spec.material.into_values().map(Material::new).collect(),
+            contents,
             name: spec.name.0,
+            still: None,
         };
-        world.check_length()?;
+        if !world.contents.things.iter().any(crate::thing::Thing::moves) {
+            world.still = Some(Arc::new(world.scene_at(0.0)));
+        }
         world.check_cameras()?;
         Ok(world)
     }
@@ -75,7 +114,7 @@ impl World {
             Some((_, text)) => Self::from_toml(text),
             None => Err(SynthError::UnknownWorld {
                 name: name.to_owned(),
-                known: Self::builtin_names().collect::<Vec<_>>().join(", "),
+                hint: name_hint(name, Self::builtin_names()),
             }),
         }
     }
@@ -90,48 +129,89 @@ impl World {
         &self.name
     }
 
+    /// How many frames there are.
+    pub fn frame_count(&self) -> usize {
+        self.reported.len()
+    }
+
+    /// Time of a frame, seconds; frame 0 is at 0.
+    pub(crate) fn time_s(&self, frame: usize) -> f64 {
+        frame as f64 / self.rate_hz
+    }
+
     /// Time of a frame, nanoseconds; frame 0 is at 0.
     pub(crate) fn stamp_ns(&self, frame: usize) -> i64 {
-        (frame as f64 * 1e9 / self.rate_hz).round() as i64
+        (self.time_s(frame) * 1e9).round() as i64
     }
 
-    /// Pose of the vehicle at a frame.
-    pub(crate) fn world_from_body(&self, frame: usize) -> Pose {
-        self.path.world_from_body(self.distance_m(frame))
+    /// True pose of the vehicle at this time, seconds.
+    pub(crate) fn world_from_body(&self, time_s: f64) -> Pose {
+        self.path.world_from_body(time_s)
     }
 
-    /// Pose of the left camera at a frame.
-    pub(crate) fn world_from_left(&self, frame: usize) -> Pose {
-        self.world_from_body(frame) * self.body_from_left
+    /// True pose of the left camera at a frame, in the world's frame.
+    pub fn true_world_from_left(&self, frame: usize) -> Pose {
+        self.world_from_body(self.time_s(frame)) * self.body_from_left
     }
 
-    fn distance_m(&self, frame: usize) -> f64 {
-        frame as f64 * self.speed_mps / self.rate_hz
+    /// Pose of the left camera at a frame as the robot reports it.
+    pub fn reported_world_from_left(&self, frame: usize) -> Pose {
+        self.reported[frame] * self.body_from_left
     }
 
-    fn check_length(&self) -> Result<(), SynthError> {
-        let (driven, length) = (self.distance_m(self.frame_count - 1), self.path.length_m());
-        if driven <= length + 1e-6 {
-            return Ok(());
+    /// Pose of a laser scanner at a frame as the robot reports it.
+    pub(crate) fn reported_world_from_laser(&self, frame: usize, laser: &Laser) -> Pose {
+        self.reported[frame] * laser.body_from_laser()
+    }
+
+    /// Whether the reported poses differ from the true ones.
+    pub fn has_pose_errors(&self) -> bool {
+        self.has_pose_errors
+    }
+
+    /// All shapes in their places at a frame.
+    pub(crate) fn scene(&self, frame: usize) -> Arc<Scene> {
+        match &self.still {
+            Some(scene) => Arc::clone(scene),
+            None => Arc::new(self.scene_at(self.time_s(frame))),
         }
-        let expected = format!("a path of at least {driven:.3} m for {} frames", self.frame_count);
-        Err(SynthError::value("trajectory.waypoints_m", expected, format!("{length:.3} m")))
+    }
+
+    fn scene_at(&self, time_s: f64) -> Scene {
+        let poses: Vec<Pose> =
+            self.contents.things.iter().map(|thing| thing.world_from_thing(time_s)).collect();
+        let objects = self.contents.parts.iter().map(|part| part.object(&poses[part.thing]));
+        Scene::new(objects.collect())
     }
 
     fn check_cameras(&self) -> Result<(), SynthError> {
-        for frame in 0..self.frame_count {
-            let pose = self.world_from_left(frame);
+        for frame in 0..self.frame_count() {
+            let pose = self.true_world_from_left(frame);
+            let scene = self.scene(frame);
             for (side, camera) in
                 [("left", Camera::left(self.rig, &pose)), ("right", Camera::right(self.rig, &pose))]
             {
-                if let Some(object) = self.scene.object_around(&camera.position()) {
-                    let found = format!("the {side} camera of frame {frame} inside object {object} (from 0)");
+                if let Some(object) = scene.object_around(&camera.position()) {
+                    let thing = scene.object(object).thing;
+                    let name = self.contents.things[thing].name.as_deref().unwrap_or("without a name");
+                    let found =
+                        format!("the {side} camera of frame {frame} inside object {thing} ({name}; from 0)");
                     return Err(SynthError::value("stereo.mount_m", "cameras outside of all shapes", found));
                 }
             }
         }
         Ok(())
     }
+}
+
+fn check_length(path: &Path, frame_count: usize, rate_hz: f64) -> Result<(), SynthError> {
+    let (needed, duration) = ((frame_count - 1) as f64 / rate_hz, path.duration_s());
+    if needed <= duration + 1e-6 {
+        return Ok(());
+    }
+    let expected = format!("a way of at least {needed:.3} s for {frame_count} frames");
+    let found = format!("{duration:.3} s; add way-points, a pause or fewer frames");
+    Err(SynthError::value("trajectory.waypoints", expected, found))
 }
 
 #[cfg(test)]

@@ -81,7 +81,7 @@ fn range_noise_has_the_given_spread_and_goes_along_the_beam() {
 #[test]
 fn image_noise_has_the_given_spread() {
     let exact = frame(&sequence(BOX), 0);
-    let noisy = frame(&sequence(&BOX.replace("noise_grey = 0.0", "noise_grey = 3.0")), 0);
+    let noisy = frame(&sequence(&BOX.replace("[[laser]]", "noise = { read_grey = 3.0 }\n[[laser]]")), 0);
     let squares = exact.left().pixels().iter().zip(noisy.left().pixels()).map(|(&a, &b)| {
         let d = f64::from(a) - f64::from(b);
         d * d
@@ -117,7 +117,7 @@ fn frames_beyond_the_end_do_not_exist() {
 
 #[test]
 fn a_world_without_a_laser_has_no_scans() {
-    let start = BOX.find("[laser.rotating]").unwrap();
+    let start = BOX.find("[[laser]]").unwrap();
     let end = BOX.find("[light]").unwrap();
     let sequence = sequence(&format!("{}{}", &BOX[..start], &BOX[end..]));
     assert!(frame(&sequence, 0).laser().is_none());

@@ -44,16 +44,17 @@ impl LaserTruth {
     pub fn add_scan(&mut self, scan: &LaserScan) {
         let spec = *self.log_odds.spec();
         let pose = scan.map_from_laser();
-        let origin = spec.to_cells(pose.translation.vector.into());
         let rotation = pose.rotation.to_rotation_matrix();
-        scan.points().par_chunks(RAYS_PER_TASK).for_each(|points| {
-            for point in points {
-                let ray = Point3::from(point.map(f64::from)).coords;
-                let Some((ray, key)) = self.cut(ray) else { continue };
-                let end = rotation * ray / spec.cell_size_m();
-                let end = std::array::from_fn(|a| origin[a] + end[a]);
-                self.draw(&spec, origin, end, key);
-            }
+        let laser = pose.translation.vector;
+        let points = scan.points().par_iter().enumerate().with_min_len(RAYS_PER_TASK);
+        points.for_each(|(index, point)| {
+            let single = |p: [f32; 3]| Vector3::from(p.map(f64::from));
+            let start = scan.origins().map_or(Vector3::zeros(), |origins| single(origins[index]));
+            let Some((ray, key)) = self.cut(single(*point) - start) else { return };
+            let origin = spec.to_cells((laser + rotation * start).into());
+            let end = rotation * ray / spec.cell_size_m();
+            let end = std::array::from_fn(|a| origin[a] + end[a]);
+            self.draw(&spec, origin, end, key);
         });
         self.evidence.fuse_into(&mut self.log_odds, self.settings.clamp());
         let above = self.settings.occupied_above;
