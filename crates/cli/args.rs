@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use evigrid_eval::Config;
+use evigrid_synth::World;
 
 /// Replays stereo recordings, builds occupancy grids with published methods and scores them against the laser.
 #[derive(Debug, Parser)]
@@ -20,6 +21,10 @@ pub enum Command {
     Score(ScoreArgs),
     /// Tell what was expected of a data set, what was found and what can be run on it.
     Check(CheckArgs),
+    /// Make figures and tables again, each as data and picture.
+    Reproduce(ReproduceArgs),
+    /// Write a synthetic data set with its exact truth.
+    Synth(SynthArgs),
     /// List the methods and every setting, with default, unit and source.
     Methods,
 }
@@ -86,4 +91,37 @@ pub struct CheckArgs {
     /// Folder of the data set.
     #[arg(value_name = "DIR")]
     pub dir: PathBuf,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct ReproduceArgs {
+    /// What to make: GROUP or GROUP/ITEM; `worlds` is the table and the pictures of docs/synthetic.md [default: all].
+    #[arg(value_name = "GROUP[/ITEM]")]
+    pub names: Vec<String>,
+    /// Folder below which the data sets lie [default: $EVIGRID_DATA, else data].
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Folder for the results.
+    #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
+    pub out: PathBuf,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = built_in_worlds())]
+pub struct SynthArgs {
+    /// A built-in world (listed below), or a world of your own as a .toml file.
+    #[arg(value_name = "WORLD")]
+    pub world: String,
+    /// Folder for the data set; new, empty, or one that this command wrote.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Frames A to B, B excluded; either may be left out [default: all].
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    pub frames: Option<String>,
+}
+
+/// What there is to choose from, for the help.
+fn built_in_worlds() -> String {
+    let names: Vec<&str> = World::builtin_names().collect();
+    format!("Built-in worlds: {}", names.join(", "))
 }

@@ -8,8 +8,10 @@ mod check;
 mod methods;
 mod output;
 mod progress;
+mod reproduce;
 mod run;
 mod score;
+mod synth;
 
 use std::process::ExitCode;
 
@@ -30,6 +32,8 @@ fn main() -> ExitCode {
         Command::Run(args) => run::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Score(args) => score::score(&args).map(|()| ExitCode::SUCCESS),
         Command::Check(args) => check::check(&args),
+        Command::Reproduce(args) => reproduce::reproduce_all(&args).map(|()| ExitCode::SUCCESS),
+        Command::Synth(args) => synth::synth(&args).map(|()| ExitCode::SUCCESS),
         Command::Methods => methods::methods().map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {

@@ -1,8 +1,10 @@
+use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Result;
 use evigrid_eval::{Observer, RunInfo, RunResult, SealedFile, Step};
 use evigrid_grid::LogOddsGrid;
+use evigrid_synth::WriteStep;
 use evigrid_truth::LaserTruth;
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -50,5 +52,60 @@ impl Observer for Progress {
             bar.finish_and_clear();
         }
         Ok(Vec::new())
+    }
+}
+
+/// Shows how far writing a data set is, in the same way.
+#[derive(Debug, Default)]
+pub struct WriteProgress {
+    bar: Option<ProgressBar>,
+    shown_tenths: usize,
+}
+
+impl WriteProgress {
+    /// The next step of writing to the folder `out`.
+    pub fn show(&mut self, step: WriteStep, out: &Path) {
+        match step {
+            WriteStep::LeftOver => {
+                log::warn!("an earlier run for {} did not finish; removed what it left", out.display());
+            }
+            WriteStep::Truth => self.begin(),
+            WriteStep::Frames { done, total } => self.frames(done, total),
+        }
+    }
+
+    fn begin(&mut self) {
+        let bar = ProgressBar::new_spinner();
+        if bar.is_hidden() {
+            eprintln!("exact truth");
+            return;
+        }
+        bar.set_message("exact truth");
+        bar.enable_steady_tick(Duration::from_millis(200));
+        self.bar = Some(bar);
+    }
+
+    fn frames(&mut self, done: usize, total: usize) {
+        let tenths = done * 10 / total;
+        match &self.bar {
+            Some(bar) => {
+                if let (0, Ok(style)) = (done, ProgressStyle::with_template("{bar:30} frame {pos}/{len}")) {
+                    bar.set_style(style);
+                    bar.set_length(total as u64);
+                }
+                bar.set_position(done as u64);
+            }
+            None if tenths > self.shown_tenths => eprintln!("frame {done}/{total}"),
+            None => {}
+        }
+        self.shown_tenths = tenths;
+    }
+}
+
+impl Drop for WriteProgress {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
     }
 }

@@ -2,11 +2,11 @@
 //! tables and map files. Results are plain values; tables, progress and recording are equal observers of the loop.
 
 mod clock;
+mod colours;
 mod config;
 mod map_file;
 mod memory;
 mod method;
-mod npz;
 mod observer;
 mod outputs;
 mod plan;
@@ -17,6 +17,7 @@ mod scores;
 mod tables;
 
 pub use clock::{Clock, RealClock};
+pub use colours::turbo;
 pub use config::{Config, ConfigError, InputSettings, OutputSettings, RunSettings, ScoreSettings};
 pub use map_file::{MapFile, read_map, write_map, write_truth};
 pub use memory::peak_memory_mib;

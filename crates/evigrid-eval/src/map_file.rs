@@ -3,9 +3,9 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use evigrid_grid::{GridSpec, LogOddsGrid};
+use evigrid_npz::{Npz, NpzWriter};
 use evigrid_truth::LaserTruth;
 
-use crate::npz::{Npz, NpzWriter};
 use crate::{PendingFile, SealedFile};
 
 /// A sparse voxel map as it stands in a file, from any mapper. Voxel (i, j, k) covers
@@ -29,7 +29,7 @@ pub struct MapFile {
 /// If the file cannot be written.
 pub fn write_map(mut file: PendingFile, map: &LogOddsGrid) -> Result<SealedFile> {
     let (cells, log_odds): (Vec<usize>, Vec<f32>) = map.touched().unzip();
-    let mut npz = NpzWriter::new();
+    let mut npz = NpzWriter::default();
     write_indices(&mut npz, "indices", map.spec(), &cells)?;
     npz.array("log_odds", &[log_odds.len() as u64], &log_odds)?;
     write_geometry(&mut npz, map.spec())?;
@@ -43,7 +43,7 @@ pub fn write_map(mut file: PendingFile, map: &LogOddsGrid) -> Result<SealedFile>
 /// If the file cannot be written.
 pub fn write_truth(mut file: PendingFile, truth: &LaserTruth) -> Result<SealedFile> {
     let marked = |cells: &[bool]| (0..cells.len()).filter(|&i| cells[i]).collect::<Vec<_>>();
-    let mut npz = NpzWriter::new();
+    let mut npz = NpzWriter::default();
     write_indices(&mut npz, "occupied", truth.spec(), &marked(truth.occupied()))?;
     write_indices(&mut npz, "observed", truth.spec(), &marked(truth.observed()))?;
     write_geometry(&mut npz, truth.spec())?;
@@ -53,12 +53,12 @@ pub fn write_truth(mut file: PendingFile, truth: &LaserTruth) -> Result<SealedFi
 
 fn write_indices(npz: &mut NpzWriter, name: &str, spec: &GridSpec, cells: &[usize]) -> Result<()> {
     let indices: Vec<i32> = cells.iter().flat_map(|&flat| spec.voxel(flat).map(|v| v as i32)).collect();
-    npz.array(name, &[cells.len() as u64, 3], &indices)
+    Ok(npz.array(name, &[cells.len() as u64, 3], &indices)?)
 }
 
 fn write_geometry(npz: &mut NpzWriter, spec: &GridSpec) -> Result<()> {
     npz.array("origin", &[3], &spec.origin_m())?;
-    npz.array("cell_size", &[], &[spec.cell_size_m()])
+    Ok(npz.array("cell_size", &[], &[spec.cell_size_m()])?)
 }
 
 /// Reads a map that any mapper wrote, in the format of [`write_map`]; any integer and float types will do.
@@ -204,7 +204,7 @@ mod tests {
     type Arrays<'a> = (&'a [u64], &'a [i32], &'a [u64], &'a [f32], &'a [f64], &'a [f64]);
 
     fn npz((index_shape, indices, l_shape, l, origin, cell_size): Arrays<'_>) -> Vec<u8> {
-        let mut npz = NpzWriter::new();
+        let mut npz = NpzWriter::default();
         npz.array("indices", index_shape, indices).unwrap();
         npz.array("log_odds", l_shape, l).unwrap();
         npz.array("origin", &[origin.len() as u64], origin).unwrap();
@@ -229,7 +229,7 @@ mod tests {
         #[test]
         fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
             let _ = parse_map(&bytes);
-            let _ = crate::npz::parse_npy(&bytes);
+            let _ = evigrid_npz::parse_npy(&bytes);
         }
 
         #[test]
@@ -246,7 +246,7 @@ mod tests {
             let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
             bytes.extend((header.len() as u16).to_le_bytes());
             bytes.extend(header.as_bytes());
-            let _ = crate::npz::parse_npy(&bytes);
+            let _ = evigrid_npz::parse_npy(&bytes);
         }
     }
 }

@@ -93,7 +93,7 @@ pub fn data_root() -> PathBuf {
 /// If there is no such world, folder or data set, or it cannot be read.
 pub fn open_dataset(name: &str) -> Result<Box<dyn Sequence>> {
     if let Some(world) = name.strip_prefix("synth:") {
-        return Ok(Box::new(SyntheticSequence::new(open_world(world)?)));
+        return Ok(Box::new(SyntheticSequence::new(World::open(world)?)));
     }
     let path = Path::new(name);
     if path.exists() {
@@ -109,18 +109,6 @@ pub fn open_dataset(name: &str) -> Result<Box<dyn Sequence>> {
     evigrid_replay::open(&dir).with_context(|| {
         format!("data set {name} is not here (scripts/download_datasets.sh {name} fetches it)")
     })
-}
-
-/// The built-in world of this name, or the world of this TOML file.
-///
-/// # Errors
-/// If there is none, or it is impossible.
-pub fn open_world(name: &str) -> Result<World> {
-    let path = Path::new(name);
-    if path.extension().is_some_and(|extension| extension == "toml") {
-        return Ok(World::from_file(path)?);
-    }
-    Ok(World::builtin(name)?)
 }
 
 /// No recording has more frames.

@@ -5,10 +5,12 @@
 
 mod counts;
 mod curve;
+mod matching;
 mod tolerance;
 
 pub use counts::{Counts, Reference, count};
 pub use curve::{Curve, CurvePoint, curve};
+pub use matching::MatchingScores;
 pub use tolerance::{Tolerant, within_tolerance};
 
 /// `numerator / denominator`, NaN for 0 / 0.

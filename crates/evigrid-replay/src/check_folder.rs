@@ -1,10 +1,9 @@
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::check::{CheckItem, CheckReport, ItemState};
 use crate::folder::{FrameFiles, resolve};
 use crate::frame_parts::require_size;
-use crate::laser_file::require_whole_points;
+use crate::laser_file::{check_origins, check_scan};
 use crate::text::{Fault, KeyValues, read_text};
 use crate::{FrameRanges, Layout, ReplayError, kitti_odometry, kitti_raw, middlebury, png, poses, stamps};
 
@@ -20,11 +19,13 @@ pub fn check(dir: &Path) -> CheckReport {
 }
 
 /// What a file of one frame is looked at for.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 enum Kind {
     Image(&'static str),
     Packet,
     Scan,
+    /// The files of the scans that they belong to.
+    Origins(FrameFiles),
 }
 
 struct Inspection {
@@ -83,7 +84,7 @@ impl Inspection {
     }
 
     fn kitti_odometry(&mut self) {
-        use kitti_odometry::{CALIBRATION, LASER, LEFT, RIGHT, STAMPS, poses_path};
+        use kitti_odometry::{CALIBRATION, LASER, LEFT, ORIGINS, RIGHT, STAMPS, poses_path};
         let has_laser = self.dir.join(LASER.folder).is_dir();
         let keys: &[(&str, usize)] =
             if has_laser { &[("P0", 12), ("P1", 12), ("Tr", 12)] } else { &[("P0", 12), ("P1", 12)] };
@@ -94,6 +95,10 @@ impl Inspection {
         let poses = poses_path(&self.dir, &resolved);
         self.lines("poses", &poses, |text| poses::parse_poses(text).map(|p| p.len()));
         self.laser(LASER);
+        // The benchmark has none.
+        if self.dir.join(ORIGINS.folder).is_dir() {
+            self.files("laser origins", ORIGINS, Kind::Origins(LASER));
+        }
     }
 
     fn middlebury(&mut self) {
@@ -197,7 +202,7 @@ impl Inspection {
         }
         let state = match (faulty.is_empty(), missing.is_empty(), kind) {
             (false, _, _) => ItemState::Faulty,
-            (true, false, Kind::Scan) => ItemState::Optional,
+            (true, false, Kind::Scan | Kind::Origins(_)) => ItemState::Optional,
             (true, false, _) => ItemState::Missing,
             (true, true, _) => ItemState::Ok,
         };
@@ -211,7 +216,8 @@ impl Inspection {
         match kind {
             Kind::Image(what) => self.image(what, frame, path),
             Kind::Packet => kitti_raw::read_packet(path).map(|_| ()),
-            Kind::Scan => scan(path),
+            Kind::Scan => check_scan(path),
+            Kind::Origins(scans) => check_origins(path, &scans.path(&self.dir, frame)),
         }
     }
 
@@ -262,13 +268,6 @@ impl Inspection {
             self.report.problems.push(line);
         }
     }
-}
-
-fn scan(path: &Path) -> Result<(), ReplayError> {
-    let length = fs::metadata(path).map(|file| file.len());
-    let length =
-        length.map_err(|source| ReplayError::Io { what: "laser scan", path: path.to_owned(), source })?;
-    require_whole_points(length).map_err(|fault| fault.of(path))
 }
 
 #[cfg(test)]

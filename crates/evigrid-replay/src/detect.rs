@@ -40,7 +40,7 @@ impl Layout {
                  calib_velo_to_cam.txt and calib_imu_to_velo.txt in the parent folder"
             }
             Self::KittiOdometry => {
-                "image_0, image_1, calib.txt, times.txt, optionally velodyne; poses.txt or ../../poses/NN.txt"
+                "image_0, image_1, calib.txt, times.txt, optionally velodyne and velodyne_origins; poses.txt or ../../poses/NN.txt"
             }
             Self::Middlebury => {
                 "left.png and right.png, or im2.png and im6.png, or im0.png and im1.png, optionally calib.txt"

@@ -52,6 +52,10 @@ pub fn scan_bytes(points: &[[f32; 3]]) -> Vec<u8> {
     points.iter().flat_map(|[x, y, z]| [*x, *y, *z, 0.5]).flat_map(f32::to_le_bytes).collect()
 }
 
+pub fn origin_bytes(origins: &[[f32; 3]]) -> Vec<u8> {
+    origins.iter().flatten().flat_map(|v| v.to_le_bytes()).collect()
+}
+
 pub fn oxts_line(latitude: f64, longitude: f64, yaw: f64) -> String {
     format!("{latitude} {longitude} 100 0 0 {yaw}{}\n", " 0".repeat(24))
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use evigrid_core::{CoreError, Frame, GrayImage, LaserScan, Pose, StereoRig};
 
-use crate::laser_file::read_scan;
+use crate::laser_file::{read_origins, read_scan};
 use crate::png::decode_grey;
 use crate::text::read_bytes;
 use crate::{ReplayError, SequenceInfo};
@@ -17,8 +17,15 @@ pub(crate) struct FrameParts {
     pub left: PathBuf,
     pub right: PathBuf,
     pub map_from_left: Pose,
-    /// The scan's file, which may be missing, and the pose of the laser.
-    pub laser: Option<(PathBuf, Pose)>,
+    pub laser: Option<ScanFiles>,
+}
+
+/// Where the files of a scan lie, either of which may be missing, and the pose of the laser.
+pub(crate) struct ScanFiles {
+    pub points: PathBuf,
+    /// Where the ray of each point started, if the layout knows of such a file.
+    pub origins: Option<PathBuf>,
+    pub map_from_laser: Pose,
 }
 
 impl FrameParts {
@@ -27,7 +34,7 @@ impl FrameParts {
         let (left, left_png) = self.image("left image", &self.left, &rig)?;
         let (right, _) = self.image("right image", &self.right, &rig)?;
         let laser = match &self.laser {
-            Some((path, map_from_laser)) => self.scan(path, map_from_laser)?,
+            Some(files) => self.scan(files)?,
             None => None,
         };
         let frame = Frame::new(self.index, self.stamp_ns, rig, left, right, self.map_from_left, laser);
@@ -47,10 +54,18 @@ impl FrameParts {
         Ok((image, bytes.into()))
     }
 
-    fn scan(&self, path: &Path, map_from_laser: &Pose) -> Result<Option<LaserScan>, ReplayError> {
-        let points = read_scan(path)?;
-        let scan = points.map(|points| LaserScan::new(points, *map_from_laser)).transpose();
-        scan.map_err(|source| self.misfit(source, path))
+    fn scan(&self, files: &ScanFiles) -> Result<Option<LaserScan>, ReplayError> {
+        let points = read_scan(&files.points)?;
+        let origins = match &files.origins {
+            Some(path) => read_origins(path, points.as_ref().map(Vec::len))?,
+            None => None,
+        };
+        let Some(points) = points else { return Ok(None) };
+        let scan = LaserScan::new(points, files.map_from_laser).and_then(|scan| match origins {
+            Some(origins) => scan.with_origins(origins),
+            None => Ok(scan),
+        });
+        scan.map(Some).map_err(|source| self.misfit(source, &files.points))
     }
 
     fn misfit(&self, source: CoreError, path: &Path) -> ReplayError {

@@ -7,7 +7,7 @@ use evigrid_core::{Frame, Pose};
 
 use crate::calibration::{RectifiedPair, level_camera, pose_from_matrix, rectified_pair};
 use crate::folder::{FrameFiles, folder_name, resolve};
-use crate::frame_parts::{FrameParts, require_frame};
+use crate::frame_parts::{FrameParts, ScanFiles, require_frame};
 use crate::png;
 use crate::poses::parse_poses;
 use crate::stamps::parse_seconds;
@@ -17,10 +17,14 @@ use crate::{ReplayError, Sequence, SequenceInfo};
 pub(crate) const LEFT: FrameFiles = FrameFiles { folder: "image_0", digits: 6, extension: "png" };
 pub(crate) const RIGHT: FrameFiles = FrameFiles { folder: "image_1", ..LEFT };
 pub(crate) const LASER: FrameFiles = FrameFiles { folder: "velodyne", digits: 6, extension: "bin" };
+pub(crate) const ORIGINS: FrameFiles = FrameFiles { folder: "velodyne_origins", ..LASER };
 pub(crate) const CALIBRATION: &str = "calib.txt";
 pub(crate) const STAMPS: &str = "times.txt";
 
 /// A sequence of the KITTI odometry benchmark: grey stereo pair, poses, Velodyne.
+///
+/// Beyond the benchmark, a scan whose rays did not all start at the laser's origin may have a file in
+/// `velodyne_origins` that says where they did, in the order of its points.
 ///
 /// The poses carry no gravity: the frame that `poses.txt` is given in, which is the first left camera of a whole
 /// sequence, is taken to be a level camera. The world is that camera's x forward, y left, z up, metres.
@@ -35,9 +39,9 @@ pub struct KittiOdometry {
 }
 
 impl KittiOdometry {
-    /// Opens a sequence folder: `calib.txt`, `times.txt`, `image_0`, `image_1`, optionally `velodyne`, and the poses
-    /// in `poses.txt` or, as the benchmark packs them, in `../../poses/NN.txt`. The image size is that of the first
-    /// left image.
+    /// Opens a sequence folder: `calib.txt`, `times.txt`, `image_0`, `image_1`, optionally `velodyne` and
+    /// `velodyne_origins`, and the poses in `poses.txt` or, as the benchmark packs them, in `../../poses/NN.txt`. The
+    /// image size is that of the first left image.
     ///
     /// # Errors
     /// If one of these is missing or wrong, if there are fewer times or poses than frames, or if there are scans but
@@ -90,7 +94,11 @@ impl Sequence for KittiOdometry {
             left: LEFT.path(&self.dir, index),
             right: RIGHT.path(&self.dir, index),
             map_from_left: map_from_rectified * self.calibration.pair.left_from_rectified.inverse(),
-            laser: laser.map(|laser| (LASER.path(&self.dir, index), map_from_rectified * laser)),
+            laser: laser.map(|laser| ScanFiles {
+                points: LASER.path(&self.dir, index),
+                origins: Some(ORIGINS.path(&self.dir, index)),
+                map_from_laser: map_from_rectified * laser,
+            }),
         }
         .read(self.info.rig)
     }

@@ -6,7 +6,7 @@ use evigrid_core::{Frame, Pose};
 
 use crate::calibration::{RectifiedPair, image_size, pose, rectified_pair, rotation};
 use crate::folder::{FrameFiles, folder_name, resolve};
-use crate::frame_parts::{FrameParts, require_frame};
+use crate::frame_parts::{FrameParts, ScanFiles, require_frame};
 use crate::oxts::{MercatorWorld, Packet, parse_packet};
 use crate::stamps::parse_dates;
 use crate::text::{Fault, KeyValues, excerpt, read_text};
@@ -104,7 +104,11 @@ impl Sequence for KittiRaw {
             left: LEFT.path(&self.dir, index),
             right: RIGHT.path(&self.dir, index),
             map_from_left: map_from_imu * self.imu_from_left,
-            laser: Some((LASER.path(&self.dir, index), map_from_imu * self.imu_from_laser)),
+            laser: Some(ScanFiles {
+                points: LASER.path(&self.dir, index),
+                origins: None,
+                map_from_laser: map_from_imu * self.imu_from_laser,
+            }),
         }
         .read(self.info.rig)
     }

@@ -35,5 +35,5 @@ pub use error::ReplayError;
 pub use frame_ranges::FrameRanges;
 pub use kitti_odometry::KittiOdometry;
 pub use kitti_raw::KittiRaw;
-pub use middlebury::MiddleburyPair;
+pub use middlebury::{MiddleburyPair, middlebury_truth};
 pub use sequence::{Sequence, SequenceInfo, map_from_world};

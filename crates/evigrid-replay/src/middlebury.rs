@@ -2,19 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
-use evigrid_core::{Frame, Pose, StereoRig};
+use evigrid_core::{Disparity, Frame, Pose, StereoRig};
 
 use crate::calibration::{checked, image_size, level_camera};
 use crate::folder::{folder_name, resolve};
 use crate::frame_parts::{FrameParts, require_frame};
 use crate::png;
-use crate::text::{Fault, KeyValues, numbers, read_text};
+use crate::text::{Fault, KeyValues, numbers, read_bytes, read_text};
 use crate::{ReplayError, Sequence, SequenceInfo};
 
 /// Names of a left and a right image in the order they are looked for.
 pub(crate) const PAIRS: [(&str, &str); 3] =
     [("left.png", "right.png"), ("im2.png", "im6.png"), ("im0.png", "im1.png")];
 pub(crate) const CALIBRATION: &str = "calib.txt";
+/// Files with the true disparity of the left image, and their steps per pixel.
+const TRUTHS: [(&str, f32); 2] = [("gt.png", 1.0), ("disp2.png", 4.0)];
 /// Focal length and baseline that the later (2005, 2006) sets of the same laboratory publish, 3740 px and 160 mm,
 /// at a quarter of the full size.
 const ASSUMED_FOCAL_PX: f64 = 3740.0 / 4.0;
@@ -86,6 +88,23 @@ impl Sequence for MiddleburyPair {
         let (left, right) = (self.left.clone(), self.right.clone());
         FrameParts { index, stamp_ns: 0, left, right, map_from_left, laser: None }.read(self.info.rig)
     }
+}
+
+/// The true disparity of the left image of a pair's folder, NaN where it is unknown: `gt.png` in whole pixels, or
+/// `disp2.png` in quarters of a pixel as the sets of 2003 have it; 0 is unknown in both.
+///
+/// # Errors
+/// If there is neither, or it cannot be read.
+pub fn middlebury_truth(dir: &Path) -> Result<Disparity, ReplayError> {
+    let known = TRUTHS.map(|(name, steps_per_px)| (dir.join(name), steps_per_px));
+    let (path, steps_per_px) = known.into_iter().find(|(path, _)| path.is_file()).ok_or_else(|| {
+        Fault::new("true disparity", TRUTHS.map(|(name, _)| name).join(" or "), "none").of(dir)
+    })?;
+    let image = png::decode_grey(&read_bytes("true disparity", &path)?).map_err(|fault| fault.of(&path))?;
+    let value = |&v: &u8| if v == 0 { f32::NAN } else { f32::from(v) / steps_per_px };
+    let values = image.pixels().iter().map(value).collect();
+    Disparity::new(image.width(), image.height(), values)
+        .map_err(|error| Fault::new("true disparity", "disparities", error.to_string()).of(&path))
 }
 
 /// The first pair of which a left or a right image is there.

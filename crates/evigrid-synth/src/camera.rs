@@ -1,5 +1,5 @@
 use evigrid_core::{Pose, StereoRig};
-use nalgebra::{Isometry3, Point3, Translation3};
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
@@ -140,6 +140,16 @@ impl Camera {
     /// Where the camera is, metres.
     pub fn position(&self) -> Point3<f64> {
         self.world_from_camera.translation.vector.into()
+    }
+
+    /// Pose of the camera.
+    pub fn world_from_camera(&self) -> &Pose {
+        &self.world_from_camera
+    }
+
+    /// The ray of the image point (p, p) in camera axes, depth 1.
+    pub fn rig_ray(&self, p: f64) -> Vector3<f64> {
+        self.rig.ray(p, p)
     }
 
     /// The ray of the image point (x, y) in pixels, and the width of a pixel's footprint per metre of range.

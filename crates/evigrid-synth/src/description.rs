@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use evigrid_core::{Pose, name_hint};
+use evigrid_grid::{GridSettings, GridSpec};
 use nalgebra::{Isometry3, Translation3};
 use serde::Deserialize;
 use toml::Spanned;
@@ -45,6 +46,10 @@ pub struct WorldSpec {
     pub laser: Vec<LaserSpec>,
     /// What the robot can drive over; needed for safety maps alone.
     pub robot: Option<RobotSpec>,
+    /// Where the voxels and the ground plan of the exact truth on disk lie in the map frame; by default the grid that
+    /// maps have.
+    #[serde(default)]
+    pub truth_grid: Option<Spanned<GridSettings>>,
     /// The light.
     pub light: LightSpec,
     /// The materials by their names.
@@ -175,6 +180,17 @@ impl WorldSpec {
     /// If the text is no TOML, or has unknown, missing or impossible keys; the message names the line.
     pub fn parse(text: &str) -> Result<Self, SynthError> {
         toml::from_str(text).map_err(|e| SynthError::from_parser(text, &e))
+    }
+
+    /// The grid of the exact truth.
+    ///
+    /// # Errors
+    /// If it is empty or far too large.
+    pub fn truth_grid(&self, text: &str) -> Result<GridSpec, SynthError> {
+        let settings = self.truth_grid.as_ref();
+        let grid = GridSpec::new(&settings.map(|grid| *grid.get_ref()).unwrap_or_default());
+        let line = settings.map_or(0, |grid| grid.span().start);
+        grid.map_err(|error| SynthError::at(text, line, &format!("truth_{error}")))
     }
 
     /// All things and their shapes, repeated ones written out. A material index is the position of the name among

@@ -18,7 +18,7 @@ pub enum SynthError {
     /// Values that are possible one by one but not together.
     #[error("{key}: expected {expected}, found {found}")]
     Value {
-        /// The key at fault, e.g. `trajectory.waypoints_m`.
+        /// The key at fault, e.g. `trajectory.waypoints`.
         key: String,
         /// What would be possible.
         expected: String,
@@ -58,11 +58,40 @@ impl SynthError {
         Self::Text { line: line + 1, found, reason }
     }
 
+    /// The same error with the line of its key in `text`, where that can be found.
+    pub(crate) fn located(self, text: &str) -> Self {
+        let Self::Value { key, .. } = &self else { return self };
+        match offset_of(text, key) {
+            Some(offset) => Self::at(text, offset, &self.to_string()),
+            None => self,
+        }
+    }
+
     /// The error that the TOML parser gave for `text`.
     pub(crate) fn from_parser(text: &str, error: &toml::de::Error) -> Self {
         let offset = error.span().map_or(0, |span| span.start);
         Self::at(text, offset, &with_hint(error.message()).unwrap_or_else(|| error.message().to_owned()))
     }
+}
+
+/// Where the key `section.name` stands in a TOML text, or its section's header if the name does not. The section may
+/// have a number (`laser 1` is the second `[[laser]]`), and another key may follow after ` and `.
+fn offset_of(text: &str, key: &str) -> Option<usize> {
+    let first = key.split(" and ").next().unwrap_or(key);
+    let (section, name) = first.split_once('.').unwrap_or((first, ""));
+    let (section, number) = section.split_once(' ').unwrap_or((section, "0"));
+    let (plain, listed) = (format!("[{section}]"), format!("[[{section}]]"));
+    let starts = text.split_inclusive('\n').scan(0, |offset, line| {
+        *offset += line.len();
+        Some((*offset - line.len(), line.trim()))
+    });
+    let is_header = |line: &str| line.starts_with(&plain) || line.starts_with(&listed);
+    let headers = starts.clone().filter(|(_, line)| is_header(line));
+    let (header, _) = headers.clone().nth(number.parse().ok()?)?;
+    let mut body =
+        starts.skip_while(|&(offset, _)| offset <= header).take_while(|(_, l)| !l.starts_with('['));
+    let is_key = |line: &str| line.strip_prefix(name).is_some_and(|rest| rest.trim_start().starts_with('='));
+    Some(body.find(|(_, line)| !name.is_empty() && is_key(line)).map_or(header, |(offset, _)| offset))
 }
 
 /// The parser's "unknown field `x`, expected one of `a`, `b`" with the nearest name instead of the list.
@@ -72,4 +101,21 @@ fn with_hint(message: &str) -> Option<String> {
         start.strip_prefix("unknown field `").or_else(|| start.strip_prefix("unknown variant `"))?;
     let known = list.split('`').skip(1).step_by(2);
     Some(format!("{start}{}", name_hint(unknown.trim_end_matches('`'), known)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_found_in_their_sections() {
+        let text = "seed = 1\n[stereo]\nwidth = 3\n\n[[laser]]\nbeams = 1\n[[laser]]\n# beams\nbeams = 2\n";
+        let line = |key: &str| offset_of(text, key).map(|offset| text[..offset].matches('\n').count() + 1);
+        assert_eq!(line("stereo.width"), Some(3));
+        assert_eq!(line("stereo.height and stereo.width"), Some(2));
+        assert_eq!(line("laser 0.beams"), Some(6));
+        assert_eq!(line("laser 1.beams and step_deg"), Some(9));
+        assert_eq!(line("laser 2.beams"), None);
+        assert_eq!(line("light.sun"), None);
+    }
 }

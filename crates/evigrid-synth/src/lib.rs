@@ -13,7 +13,10 @@
 mod angle;
 mod camera;
 mod description;
+#[cfg(test)]
+mod docs_tests;
 mod error;
+mod exact;
 mod laser;
 mod light;
 mod material;
@@ -30,10 +33,19 @@ mod sequence;
 mod shape;
 mod shape_spec;
 mod thing;
+mod tiles;
 mod trajectory;
 mod tree;
+mod view_truth;
 mod world;
+mod write;
 
 pub use error::SynthError;
+pub use exact::{
+    BoardView, GroundColumn, GroundPlane, GroundSurface, GroundTruth, SafetyLabel, SafetySettings,
+    SafetyTruth, Track, VoxelState, VoxelTruth, boards, ground_planes, tracks,
+};
 pub use sequence::SyntheticSequence;
+pub use view_truth::{LeftViewTruth, PixelTruth};
 pub use world::World;
+pub use write::{WriteError, WriteStep, write_data_set};

@@ -1,9 +1,7 @@
 //! Triangle meshes with a tree of their own.
 
-use std::collections::HashMap;
-
 use nalgebra::Vector3;
-use parry3d::partitioning::Bvh;
+use rayon::prelude::*;
 
 use crate::shape::{Contact, LocalRay};
 use crate::tree::Tree;
@@ -68,17 +66,18 @@ impl Mesh {
         self.is_closed
     }
 
-    /// The tree over the triangles.
-    pub fn bvh(&self) -> &Bvh {
-        self.tree.bvh()
-    }
-
     /// The corners of a triangle, metres.
     pub fn triangle(&self, index: u32) -> [Vector3<f64>; 3] {
         self.triangles[index as usize].map(|c| self.vertices[c as usize])
     }
 
+    /// The triangles whose bounds touch the box from `low` to `high`, in no particular order.
+    pub fn near(&self, low: &Vector3<f64>, high: &Vector3<f64>) -> impl Iterator<Item = u32> {
+        self.tree.near(low, high)
+    }
+
     /// How many triangles there are.
+    #[cfg(test)]
     pub fn len(&self) -> usize {
         self.triangles.len()
     }
@@ -107,16 +106,16 @@ impl Mesh {
     }
 }
 
+/// Whether every edge occurs once in either direction.
 fn is_closed(triangles: &[[u32; 3]]) -> bool {
-    let mut edges: HashMap<(u32, u32), u32> = HashMap::with_capacity(3 * triangles.len());
-    for &[a, b, c] in triangles {
-        for edge in [(a, b), (b, c), (c, a)] {
-            *edges.entry(edge).or_default() += 1;
-        }
-    }
-    triangles.iter().all(|&[a, b, c]| {
-        [(a, b), (b, c), (c, a)].iter().all(|&(a, b)| edges[&(a, b)] == 1 && edges.contains_key(&(b, a)))
-    })
+    let sorted = |turn: fn(u32, u32) -> (u32, u32)| {
+        let edges = triangles.par_iter().flat_map_iter(|&[a, b, c]| [turn(a, b), turn(b, c), turn(c, a)]);
+        let mut edges: Vec<(u32, u32)> = edges.collect();
+        edges.par_sort_unstable();
+        edges
+    };
+    let forward = sorted(|a, b| (a, b));
+    forward.windows(2).all(|pair| pair[0] != pair[1]) && forward == sorted(|a, b| (b, a))
 }
 
 /// Distance to a triangle, from either side (Moeller and Trumbore 1997).

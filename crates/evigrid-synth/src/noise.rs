@@ -10,14 +10,21 @@ pub struct Footprint {
 }
 
 impl Footprint {
-    /// Full extents along the two surface coordinates, metres.
+    /// Lengths along the two surface coordinates, metres. Seen at an angle a from the normal, a square pixel covers
+    /// width / cos(a), and the span is width * tan(a): the root of the sum of the squares.
     pub fn extents(&self) -> [f64; 2] {
-        self.span_m.map(|s| self.width_m + s.abs())
+        self.span_m.map(|s| (self.width_m * self.width_m + s * s).sqrt())
+    }
+
+    /// Length along the direction in which the surface slants away, metres.
+    pub fn length_m(&self) -> f64 {
+        let [u, v] = self.span_m;
+        (self.width_m * self.width_m + u * u + v * v).sqrt()
     }
 }
 
 /// How often an octave is sampled along the span of a slanted footprint.
-const TAPS: usize = 4;
+pub const TAPS: usize = 4;
 
 /// Standard deviation of one octave: lattice values are uniform on [-1, 1] (variance 1/3), and blending with the
 /// smooth step keeps 26/35 of the variance per axis.
@@ -34,10 +41,10 @@ impl FractalNoise {
     /// Noise whose coarsest lattice has cells of `scale_m` metres; each of the `octaves` is `roughness` times as
     /// strong as the one before.
     pub fn new(scale_m: f64, octaves: u32, roughness: f64) -> Self {
-        let powers = std::iter::successors(Some(1.0), |a| Some(a * roughness as f32));
-        let raw: Vec<f32> = powers.take(octaves as usize).collect();
-        let deviation = OCTAVE_DEVIATION * raw.iter().map(|a| a * a).sum::<f32>().sqrt();
-        Self { scale_m, amplitudes: raw.iter().map(|a| a / deviation).collect() }
+        let powers = std::iter::successors(Some(1.0), |a| Some(a * roughness));
+        let raw: Vec<f64> = powers.take(octaves as usize).collect();
+        let deviation = f64::from(OCTAVE_DEVIATION) * raw.iter().map(|a| a * a).sum::<f64>().sqrt();
+        Self { scale_m, amplitudes: raw.iter().map(|a| (a / deviation) as f32).collect() }
     }
 
     /// The noise at (u, v), metres. Octaves too fine for the footprint fade out, so that two cameras that see the
@@ -70,7 +77,7 @@ impl FractalNoise {
 }
 
 /// 0 where a lattice cell is smaller than the footprint, 1 where it is more than twice as large.
-fn fade(cells_per_footprint: f64) -> f32 {
+pub fn fade(cells_per_footprint: f64) -> f32 {
     smooth_step((cells_per_footprint - 1.0).clamp(0.0, 1.0) as f32)
 }
 
@@ -81,12 +88,14 @@ fn refine([u, v]: [f64; 2]) -> [f64; 2] {
 
 /// The mean over evenly spaced points of the span centred at `p`.
 fn mean_along(p: [f64; 2], span: [f64; 2], seed: u32) -> f32 {
-    let (mut u, mut v) = ([0.0; TAPS], [0.0; TAPS]);
-    for i in 0..TAPS {
-        let t = (i as f64 + 0.5) / TAPS as f64 - 0.5;
-        (u[i], v[i]) = (p[0] + t * span[0], p[1] + t * span[1]);
-    }
+    let [u, v] = along_span(p, span);
     value_noise(u, v, seed).iter().sum::<f32>() / TAPS as f32
+}
+
+/// The two coordinates of evenly spaced points of the span centred at `p`.
+pub fn along_span(p: [f64; 2], span: [f64; 2]) -> [[f64; TAPS]; 2] {
+    let at = |i: usize| (i as f64 + 0.5) / TAPS as f64 - 0.5;
+    [0, 1].map(|axis| std::array::from_fn(|i| p[axis] + at(i) * span[axis]))
 }
 
 /// Value noise on the integer lattice, in [-1, 1], at several points at once (plain loops, for the vectoriser).
@@ -116,7 +125,7 @@ pub fn split(x: f64) -> (u32, f32) {
     (shifted.to_bits() as u32, (x - (shifted - SHIFT)) as f32)
 }
 
-fn smooth_step(t: f32) -> f32 {
+pub fn smooth_step(t: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
@@ -189,6 +198,19 @@ mod tests {
         let slanted = Footprint { width_m: 0.01, span_m: [1.9, 0.0] };
         let (_, deviation) = mean_and_deviation(&samples(&noise, &slanted));
         assert!(deviation > 0.4 && deviation < 0.8, "{deviation}");
+    }
+
+    #[test]
+    fn a_slanted_pixel_is_as_long_as_one_over_the_cosine() {
+        // 60 degrees from the normal: cosine 1/2, tangent sqrt(3).
+        let slanted =
+            Footprint { width_m: 0.1, span_m: [0.1 * 3_f64.sqrt() * 0.6, -0.1 * 3_f64.sqrt() * 0.8] };
+        assert!((slanted.length_m() - 0.2).abs() < 1e-12);
+        let [u, v] = slanted.extents();
+        assert!(
+            (u * u - 0.01 * (1.0 + 3.0 * 0.36)).abs() < 1e-12
+                && (v * v - 0.01 * (1.0 + 3.0 * 0.64)).abs() < 1e-12
+        );
     }
 
     #[test]

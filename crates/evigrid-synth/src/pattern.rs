@@ -1,9 +1,18 @@
-//! Regular patterns over surface coordinates, filtered exactly with the pixel's footprint.
+//! Regular patterns over surface coordinates, filtered with the pixel's footprint.
 
 use serde::Deserialize;
 
-use crate::noise::{Footprint, hash, split, unit};
-use crate::number::{Grey, NonNegative, Positive};
+use crate::noise::Footprint;
+use crate::number::{Grey, Positive};
+use brick::Brick;
+use grass::{Grass, GrassSpec};
+use interval::Interval;
+use road::{Road, RoadSpec};
+
+mod brick;
+mod grass;
+mod interval;
+mod road;
 
 /// A surface coordinate. On upright faces u runs level and v up; on level faces u is the shape's x and v its y.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -11,46 +20,115 @@ use crate::number::{Grey, NonNegative, Positive};
 pub enum Axis {
     /// Level.
     U,
-    /// Upright.
+    /// Upright, or the shape's y on level faces.
     V,
 }
 
-/// A regular pattern on top of a material's noise.
+/// A pattern on top of a material's noise.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum PatternSpec {
+    /// Stripes across one coordinate.
+    Stripes(Stripes),
+    /// Squares of two greys by turns.
+    Checks(Checks),
+    /// Bricks or slabs with joints.
+    Brick(Brick),
+    /// Blades and tufts of grass.
+    Grass(GrassSpec),
+    /// The markings of a road.
+    Road(RoadSpec),
+}
+
+/// Stripes across one coordinate.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stripes {
+    /// The coordinate along which the stripes follow each other, "u" or "v".
+    along: Axis,
+    /// From one stripe to the next, metres. One stripe begins at 0.
+    period_m: Positive,
+    /// Width of a stripe, metres.
+    width_m: Positive,
+    /// Grey of the stripes, 0 to 255 in full light.
+    grey: Grey,
+}
+
+/// Squares of two greys by turns.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Checks {
+    /// Side of a square, metres. A corner is at (0, 0).
+    size_m: Positive,
+    /// Grey of every second square, 0 to 255 in full light; the others have the material's own.
+    grey: Grey,
+}
+
+/// A pattern that is ready to be seen.
+#[derive(Debug, Clone)]
 pub enum Pattern {
-    /// Stripes of `width_m` every `period_m` along the coordinate `along`.
-    Stripes { along: Axis, period_m: Positive, width_m: Positive, grey: Grey },
-    /// Squares of `size_m`, every second one of the given grey.
-    Checks { size_m: Positive, grey: Grey },
-    /// Bricks or slabs in running bond with joints of `joint_m`; `tint` is the spread of grey between bricks.
-    Brick { length_m: Positive, height_m: Positive, joint_m: Positive, grey: Grey, tint: NonNegative },
+    /// Stripes across one coordinate.
+    Stripes(Stripes),
+    /// Squares of two greys by turns.
+    Checks(Checks),
+    /// Bricks or slabs with joints.
+    Brick(Brick),
+    /// Blades and tufts of grass.
+    Grass(Grass),
+    /// The markings of a road.
+    Road(Road),
 }
 
 impl Pattern {
-    /// The grey at (u, v) of a surface that would have grey `base` without the pattern.
-    pub fn apply(&self, base: f32, [u, v]: [f64; 2], footprint: &Footprint, seed: u32) -> f32 {
-        let [extent_u, extent_v] = footprint.extents();
-        match self {
-            Self::Stripes { along, period_m, width_m, grey } => {
-                let (x, extent) = if *along == Axis::U { (u, extent_u) } else { (v, extent_v) };
-                mix(base, *grey, coverage(x, extent, period_m.0, width_m.0))
-            }
-            Self::Checks { size_m, grey } => {
-                let sign = |x, extent| 2.0 * coverage(x, extent, 2.0 * size_m.0, size_m.0) - 1.0;
-                mix(base, *grey, 0.5 + 0.5 * sign(u, extent_u) * sign(v, extent_v))
-            }
-            Self::Brick { length_m, height_m, joint_m, grey, tint } => {
-                let (row, _) = split(v / height_m.0);
-                let shifted_u = u + if row & 1 == 0 { 0.0 } else { 0.5 * length_m.0 };
-                let (column, _) = split(shifted_u / length_m.0);
-                let far = ((extent_u / length_m.0).max(extent_v / height_m.0)).min(1.0) as f32;
-                let tone = tint.0 as f32 * (1.0 - far) * unit(hash(column, row, seed));
-                let joint_u = coverage(shifted_u, extent_u, length_m.0, joint_m.0);
-                let joint_v = coverage(v, extent_v, height_m.0, joint_m.0);
-                mix(base + tone, *grey, 1.0 - (1.0 - joint_u) * (1.0 - joint_v))
-            }
+    /// The pattern that `spec` describes.
+    pub fn new(spec: PatternSpec) -> Self {
+        match spec {
+            PatternSpec::Stripes(stripes) => Self::Stripes(stripes),
+            PatternSpec::Checks(checks) => Self::Checks(checks),
+            PatternSpec::Brick(brick) => Self::Brick(brick),
+            PatternSpec::Grass(spec) => Self::Grass(Grass::new(spec)),
+            PatternSpec::Road(spec) => Self::Road(Road::new(&spec)),
         }
+    }
+
+    /// The grey at (u, v) of a surface that would have grey `base` without the pattern; `texture` is the part of
+    /// `base` that varies over the surface.
+    pub fn apply(&self, base: f32, texture: f32, point: [f64; 2], footprint: &Footprint, seed: u32) -> f32 {
+        match self {
+            Self::Stripes(stripes) => stripes.apply(base, footprint.area(point)),
+            Self::Checks(checks) => checks.apply(base, footprint.area(point)),
+            Self::Brick(brick) => brick.apply(base, footprint.area(point), seed),
+            Self::Grass(grass) => base + grass.sample(point, footprint, seed),
+            Self::Road(road) => road.apply(base, texture, point, footprint, seed),
+        }
+    }
+}
+
+impl Stripes {
+    fn apply(&self, base: f32, [u, v]: [Interval; 2]) -> f32 {
+        let x = if self.along == Axis::U { u } else { v }.at_most(self.period_m.0);
+        mix(base, self.grey, x.covered(0.0, self.period_m.0, self.width_m.0) / x.length())
+    }
+}
+
+impl Checks {
+    fn apply(&self, base: f32, area: [Interval; 2]) -> f32 {
+        let size = self.size_m.0;
+        let sign = |x: Interval| 2.0 * x.covered(0.0, 2.0 * size, size) / x.length() - 1.0;
+        let [u, v] = area.map(|x| sign(x.at_most(2.0 * size)));
+        mix(base, self.grey, 0.5 + 0.5 * u * v)
+    }
+}
+
+/// No area is smaller than this along u or v, metres: coordinates of 1e6 m are good to 1e-10 m.
+const SMALLEST_M: f64 = 1e-8;
+
+impl Footprint {
+    /// The area over which patterns are averaged: around a point, as long along each coordinate as the footprint.
+    /// It is never quite empty, not even for a microscope.
+    fn area(&self, [u, v]: [f64; 2]) -> [Interval; 2] {
+        let [extent_u, extent_v] = self.extents();
+        [Interval::around(u, extent_u.max(SMALLEST_M)), Interval::around(v, extent_v.max(SMALLEST_M))]
     }
 }
 
@@ -58,59 +136,6 @@ fn mix(base: f32, grey: Grey, share: f64) -> f32 {
     base + share as f32 * (grey.0 as f32 - base)
 }
 
-/// The share of the interval of length `extent` centred at `x` that is covered by pulses of `width` every `period`,
-/// the first of which begins at 0.
-fn coverage(x: f64, extent: f64, period: f64, width: f64) -> f64 {
-    let covered_until = |x: f64| {
-        let cycles = (x / period).floor();
-        cycles * width + (x - cycles * period).min(width)
-    };
-    ((covered_until(x + 0.5 * extent) - covered_until(x - 0.5 * extent)) / extent).clamp(0.0, 1.0)
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn coverage_is_the_mean_of_the_pulses() {
-        // Pulses [0, 1], [4, 5], [8, 9] ...
-        for (x, extent, expected) in [
-            (0.5, 0.2, 1.0),
-            (2.5, 0.2, 0.0),
-            (1.0, 0.5, 0.5),
-            (2.0, 4.0, 0.25),
-            (-3.5, 1.0, 1.0),
-            (2.5, 4000.0, 0.25),
-        ] {
-            assert!((coverage(x, extent, 4.0, 1.0) - expected).abs() < 1e-9, "{x} {extent}");
-        }
-    }
-
-    #[test]
-    fn checks_alternate_and_grey_out_far_away() {
-        let checks = Pattern::Checks { size_m: Positive(1.0), grey: Grey(200.0) };
-        let at = |p, width_m| checks.apply(100.0, p, &Footprint { width_m, span_m: [0.0; 2] }, 0);
-        assert_eq!(at([0.5, 0.5], 0.01), 200.0);
-        assert_eq!(at([1.5, 0.5], 0.01), 100.0);
-        assert_eq!(at([1.5, -0.5], 0.01), 200.0);
-        assert!((at([1.3, 0.1], 1000.0) - 150.0).abs() < 0.1);
-    }
-
-    #[test]
-    fn bricks_of_the_next_row_are_shifted_by_half() {
-        let brick = Pattern::Brick {
-            length_m: Positive(0.4),
-            height_m: Positive(0.1),
-            joint_m: Positive(0.02),
-            grey: Grey(250.0),
-            tint: NonNegative(0.0),
-        };
-        let at = |p| brick.apply(80.0, p, &Footprint { width_m: 1e-4, span_m: [0.0; 2] }, 0);
-        assert_eq!(at([0.01, 0.05]), 250.0);
-        assert_eq!(at([0.21, 0.05]), 80.0);
-        assert_eq!(at([0.01, 0.15]), 80.0);
-        assert_eq!(at([0.21, 0.15]), 250.0);
-        assert_eq!(at([0.21, 0.01]), 250.0);
-    }
-}
+#[path = "pattern_tests.rs"]
+mod tests;

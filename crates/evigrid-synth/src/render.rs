@@ -10,6 +10,7 @@ use crate::material::Material;
 use crate::noise::{Footprint, hash};
 use crate::scene::{Hint, Hit, Ray, Scene};
 use crate::shape::SurfacePoint;
+use crate::tiles::{Candidate, Tiles};
 
 /// Beyond this the renderer sees sky, metres.
 pub const FAR_M: f64 = 1e5;
@@ -38,23 +39,30 @@ pub struct Sample {
 
 /// A scene, its materials and its light, ready to be seen.
 pub struct View<'a> {
-    pub scene: &'a Scene,
-    pub materials: &'a [Material],
-    pub light: &'a Light,
+    scene: &'a Scene,
+    materials: &'a [Material],
+    light: &'a Light,
 }
 
-impl View<'_> {
+impl<'a> View<'a> {
+    /// What can be seen of this scene.
+    pub fn new(scene: &'a Scene, materials: &'a [Material], light: &'a Light) -> Self {
+        Self { scene, materials, light }
+    }
+
     /// The noise-free image of a camera: grey levels, row by row, not bounded.
     pub fn image(&self, camera: &Camera) -> Vec<f32> {
         let (width, _) = camera.size();
-        let samples = self.centres(camera);
+        let tiles = Tiles::new(self.scene, camera);
+        let samples = self.centres(camera, &tiles);
         let mut image = vec![0.0; samples.len()];
         image.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
             let mut hint = Hint::default();
             for (x, grey) in row.iter_mut().enumerate() {
                 *grey = samples[y * width + x].grey;
                 if is_edge(&samples, width, x, y) {
-                    *grey = self.mean_with_edge_rays(camera, (x, y), *grey, &mut hint);
+                    let candidates = tiles.around(x, y);
+                    *grey = self.mean_with_edge_rays(camera, (x, y), *grey, candidates, &mut hint);
                 }
             }
         });
@@ -62,13 +70,13 @@ impl View<'_> {
     }
 
     /// What the pixel centres see.
-    fn centres(&self, camera: &Camera) -> Vec<Sample> {
+    fn centres(&self, camera: &Camera, tiles: &Tiles) -> Vec<Sample> {
         let (width, height) = camera.size();
         let mut samples = vec![Sample { grey: 0.0, key: SKY }; width * height];
         samples.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
             let mut hint = Hint::default();
             for (x, sample) in row.iter_mut().enumerate() {
-                *sample = self.sample(camera, x as f64, y as f64, &mut hint);
+                *sample = self.sample(camera, x as f64, y as f64, tiles.around(x, y), &mut hint);
             }
         });
         samples
@@ -79,19 +87,28 @@ impl View<'_> {
         camera: &Camera,
         (x, y): (usize, usize),
         centre: f32,
+        candidates: &[Candidate],
         hint: &mut Hint,
     ) -> f32 {
         // Each part is as bright as a camera can show, so that the sky does not shine through a pole.
         let bounded = |grey: f32| grey.clamp(0.0, 255.0);
-        let off_centre = |d: f64| bounded(self.sample(camera, x as f64 + d, y as f64 + d, hint).grey);
+        let off_centre =
+            |d: f64| bounded(self.sample(camera, x as f64 + d, y as f64 + d, candidates, hint).grey);
         let sum: f32 = EDGE_RAYS.into_iter().map(off_centre).sum();
         (bounded(centre) + sum) / 3.0
     }
 
-    /// What the image point (x, y) of a camera sees, pixels.
-    pub fn sample(&self, camera: &Camera, x: f64, y: f64, hint: &mut Hint) -> Sample {
+    /// What the image point (x, y) of a camera sees, pixels, given what it can see at all.
+    pub fn sample(
+        &self,
+        camera: &Camera,
+        x: f64,
+        y: f64,
+        candidates: &[Candidate],
+        hint: &mut Hint,
+    ) -> Sample {
         let (ray, width_per_metre) = camera.ray(x, y);
-        match self.scene.cast(&ray, FAR_M, hint) {
+        match self.scene.cast_among(&ray, candidates, FAR_M, hint) {
             None => Sample { grey: self.light.sky(&ray.direction), key: SKY },
             Some(hit) => self.shade(&ray, &hit, width_per_metre, hint),
         }

@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::shape::{LocalRay, Shape};
+use crate::shape::{Contact, LocalRay, Shape};
+use crate::tiles::Candidate;
 use crate::tree::Tree;
 use evigrid_core::Pose;
 
@@ -129,12 +130,50 @@ impl Scene {
         let (index, _) = found?;
         let object = &self.objects[index as usize];
         let contact = object.shape.cast(&object.local_ray(ray), f64::INFINITY)?;
-        Some(Hit {
+        Some(self.hit(ray, index, &contact))
+    }
+
+    /// As [`Self::cast`], where the ray can meet these candidates alone, in order of their `nearest_m`.
+    pub fn cast_among(
+        &self,
+        ray: &Ray,
+        candidates: &[Candidate],
+        max_range_m: f64,
+        hint: &mut Hint,
+    ) -> Option<Hit> {
+        let mut best: Option<(u32, Contact)> = None;
+        let mut test = |index: u32| {
+            let object = &self.objects[index as usize];
+            // Slightly farther than the best, so that a shape at the same place is looked at too.
+            let limit_m = best.map_or(max_range_m, |(_, b)| b.range_m * (1.0 + f64::EPSILON));
+            if let Some(contact) = object.shape.cast(&object.local_ray(ray), limit_m) {
+                let r = contact.range_m;
+                if best.is_none_or(|(i, b)| r < b.range_m || (r == b.range_m && index < i)) {
+                    best = Some((index, contact));
+                }
+            }
+            best.map_or(max_range_m, |(_, b)| b.range_m)
+        };
+        let mut reach_m = hint.seen.map_or(max_range_m, &mut test);
+        for candidate in candidates {
+            if candidate.nearest_m > reach_m {
+                break;
+            }
+            if hint.seen != Some(candidate.object) {
+                reach_m = test(candidate.object);
+            }
+        }
+        hint.seen = best.map(|(index, _)| index);
+        best.map(|(index, contact)| self.hit(ray, index, &contact))
+    }
+
+    fn hit(&self, ray: &Ray, index: u32, contact: &Contact) -> Hit {
+        Hit {
             range_m: contact.range_m,
             object: index as usize,
-            local_point: object.local_point(&ray.at(contact.range_m)),
+            local_point: self.objects[index as usize].local_point(&ray.at(contact.range_m)),
             local_normal: contact.normal,
-        })
+        }
     }
 
     /// Whether anything stands on the ray within `max_range_m`.

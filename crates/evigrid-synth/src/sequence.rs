@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::World;
 use crate::camera::Camera;
-use crate::laser::{Place, Sweep};
+use crate::laser::{Laser, Place, Sweep};
 use crate::random::{Sensor, stream};
 use crate::render::View;
 use crate::scene::Scene;
@@ -47,7 +47,7 @@ impl SyntheticSequence {
     fn render(&self, index: usize, map_from_world: &Pose) -> Result<Frame, CoreError> {
         let (world, rig) = (&self.world, self.world.rig);
         let scene = world.scene(index);
-        let view = View { scene: &scene, materials: &world.materials, light: &world.light };
+        let view = View::new(&scene, &world.materials, &world.light);
         let world_from_left = world.true_world_from_left(index);
         Frame::new(
             index,
@@ -85,7 +85,7 @@ impl SyntheticSequence {
         GrayImage::new(width, height, pixels)
     }
 
-    /// The scans of all scanners that are due, in the frame of the first of these.
+    /// The scans of all scanners that are due, in the frame of the first scanner of the world.
     fn scan(
         &self,
         scene: &Scene,
@@ -97,14 +97,13 @@ impl SyntheticSequence {
         let before_s = frame.checked_sub(1).map(|before| world.time_s(before));
         let world_from_body = |delay_s: f64| world.world_from_body(time_s + delay_s);
         let mut due = world.lasers.iter().enumerate().filter(|(_, l)| l.is_due(time_s, before_s)).peekable();
-        let Some(&(_, first)) = due.peek() else { return Ok(None) };
-        let first_from_body = first.body_from_laser().inverse();
+        let (Some(first), true) = (world.lasers.first(), due.peek().is_some()) else { return Ok(None) };
         let mut all = Sweep::default();
         for (scanner, laser) in due {
             let seed = world.seed;
             let sweep =
                 laser.sweep(&Place { scene, world_from_body: &world_from_body, seed, frame, scanner });
-            all.extend(sweep, &(first_from_body * laser.body_from_laser()));
+            all.extend(sweep, &first_from(first, laser, scanner));
         }
         let map_from_first = map_from_world * world.reported_world_from_laser(frame, first);
         let scan = LaserScan::new(all.points, map_from_first)?;
@@ -113,6 +112,14 @@ impl SyntheticSequence {
         }
         scan.with_origins(all.origins).map(Some)
     }
+}
+
+/// Pose of a scanner in the frame of the first one, free of rounding where it is that one.
+fn first_from(first: &Laser, laser: &Laser, scanner: usize) -> Pose {
+    if scanner == 0 {
+        return Pose::identity();
+    }
+    first.body_from_laser().inverse() * laser.body_from_laser()
 }
 
 impl Sequence for SyntheticSequence {

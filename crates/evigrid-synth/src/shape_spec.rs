@@ -88,7 +88,7 @@ pub enum ShapeSpec {
     },
 }
 
-/// No more triangles than this in one world, to bound the memory (about 150 bytes each).
+/// No more triangles than this in one world, to bound the memory (about 300 bytes each while the world is built).
 pub const MAX_TRIANGLES: usize = 8_000_000;
 
 impl ShapeSpec {

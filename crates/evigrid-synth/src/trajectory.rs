@@ -116,7 +116,7 @@ impl Path {
                 format!("a sharper one at way-point {}", i + 1),
             ));
         }
-        if steps.len() > 0 && waypoints[0].speed_mps.is_none() {
+        if !steps.is_empty() && waypoints[0].speed_mps.is_none() {
             return Err(error("a speed_mps at the first way-point", "none".to_owned()));
         }
         let mut path = Self {

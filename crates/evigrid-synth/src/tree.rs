@@ -33,11 +33,6 @@ impl Tree {
         Self { bvh: Bvh::from_leaves(BvhBuildStrategy::Ploc, &boxes) }
     }
 
-    /// parry3d's own tree.
-    pub fn bvh(&self) -> &Bvh {
-        &self.bvh
-    }
-
     /// The leaves whose bounds touch the box from `low` to `high`, in no particular order.
     pub fn near(&self, low: &Vector3<f64>, high: &Vector3<f64>) -> impl Iterator<Item = u32> {
         let query = aabb(low, high);

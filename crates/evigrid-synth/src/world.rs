@@ -2,6 +2,7 @@ use std::path::Path as FilePath;
 use std::sync::Arc;
 
 use evigrid_core::{Pose, StereoRig, name_hint};
+use evigrid_grid::GridSpec;
 
 use crate::SynthError;
 use crate::camera::{Camera, CameraNoiseSpec};
@@ -13,14 +14,43 @@ use crate::robot::RobotSpec;
 use crate::scene::Scene;
 use crate::trajectory::Path;
 
+/// Names and texts of world files.
+macro_rules! built_in {
+    ($($name:literal),* $(,)?) => {
+        [$(($name, include_str!(concat!("../../../datasets/synth/", $name, ".toml")))),*]
+    };
+}
+
 /// The built-in worlds by name.
-const BUILTIN: [(&str, &str); 1] = [("street", include_str!("../../../datasets/synth/street.toml"))];
+const BUILTIN: &[(&str, &str)] = &built_in![
+    "street",
+    "andert-posts",
+    "andert-flight-posts",
+    "andert-flight-houses",
+    "bars",
+    "safety-1",
+    "safety-2",
+    "safety-3",
+    "safety-4",
+    "safety-5",
+    "board-textured",
+    "board-plain",
+    "crossing",
+    "box-and-pedestrian",
+    "parked-row",
+    "corridor",
+    "corridor-odometry",
+    "yard",
+    "yard-odometry",
+];
 
 /// A synthetic world: a scene, and a vehicle with a stereo rig and perhaps laser scanners that drives through it.
 /// Checked when built, never changed.
 #[derive(Clone)]
 pub struct World {
     pub(crate) name: String,
+    /// The description it was built from.
+    pub(crate) text: String,
     pub(crate) seed: u64,
     pub(crate) rig: StereoRig,
     pub(crate) noise: CameraNoiseSpec,
@@ -31,9 +61,11 @@ pub struct World {
     pub(crate) robot: Option<RobotSpec>,
     /// Exposure of each frame relative to the first.
     pub(crate) exposures: Vec<f64>,
+    /// Where the exact truth on disk lies in the map frame.
+    pub(crate) truth_grid: GridSpec,
+    pub(crate) body_from_left: Pose,
     rate_hz: f64,
     path: Path,
-    body_from_left: Pose,
     /// Reported pose of the body at each frame.
     reported: Vec<Pose>,
     has_pose_errors: bool,
@@ -57,7 +89,7 @@ impl World {
     /// is inside a shape; if the world is too large to be rendered in bounded memory. The message is one line that
     /// names the key or the line.
     pub fn from_toml(text: &str) -> Result<Self, SynthError> {
-        Self::build(text, None)
+        Self::build(text, None).map_err(|e| e.located(text))
     }
 
     /// The world of a TOML file, with mesh files beside it.
@@ -68,7 +100,7 @@ impl World {
         let in_file = |message: String| SynthError::File { message, path: path.to_owned() };
         let text = std::fs::read_to_string(path).map_err(|e| in_file(e.to_string()))?;
         let folder = path.parent().unwrap_or(FilePath::new(""));
-        Self::build(&text, Some(folder)).map_err(|e| in_file(e.to_string()))
+        Self::build(&text, Some(folder)).map_err(|e| in_file(e.located(&text).to_string()))
     }
 
     fn build(text: &str, folder: Option<&FilePath>) -> Result<Self, SynthError> {
@@ -81,6 +113,8 @@ impl World {
             (0..frame_count).map(|frame| path.world_from_body(frame as f64 / rate_hz)).collect();
         let laser = |(i, laser)| Laser::new(laser, rate_hz, &format!("laser {i}"));
         let mut world = Self {
+            text: text.to_owned(),
+            truth_grid: spec.truth_grid(text)?,
             seed,
             rate_hz,
             rig: spec.stereo.rig()?,
@@ -119,9 +153,21 @@ impl World {
         }
     }
 
+    /// The built-in world of this name, or the world of a TOML file, which is told by the ending of its name.
+    ///
+    /// # Errors
+    /// If there is none, or it is impossible.
+    pub fn open(name_or_path: &str) -> Result<Self, SynthError> {
+        let path = FilePath::new(name_or_path);
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            return Self::from_file(path);
+        }
+        Self::builtin(name_or_path)
+    }
+
     /// The names of the built-in worlds.
     pub fn builtin_names() -> impl Iterator<Item = &'static str> {
-        BUILTIN.into_iter().map(|(name, _)| name)
+        BUILTIN.iter().map(|&(name, _)| name)
     }
 
     /// The world's name, e.g. `street`.

@@ -24,6 +24,17 @@ fn the_poses_follow_from_the_description() {
 }
 
 #[test]
+fn every_world_file_is_built_in() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../datasets/synth");
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let names = files.map(|path| path.file_stem().unwrap().to_string_lossy().into_owned());
+    let (mut files, mut known): (Vec<_>, Vec<_>) = (names.collect(), World::builtin_names().collect());
+    files.sort_unstable();
+    known.sort_unstable();
+    assert_eq!(files, known);
+}
+
+#[test]
 fn every_builtin_world_is_sound_and_bears_its_name() {
     for name in World::builtin_names() {
         assert_eq!(World::builtin(name).unwrap().name(), name);
@@ -61,7 +72,11 @@ fn bad_worlds_are_refused_with_one_line_that_names_the_key() {
         ),
         ("name = \"box\"", "name = \"../box\"", &["line 2", "letters, digits"]),
         ("beams = 16", "beams = 0", &["beams = 0", "from 1"]),
-        ("top_deg = 5.0", "top_deg = -30.0", &["laser 0.bottom_deg and top_deg", "-25 and -30"]),
+        (
+            "top_deg = 5.0",
+            "top_deg = -30.0",
+            &["line 24, `bottom_deg = -25.0`: laser 0.bottom_deg and top_deg", "-25 and -30"],
+        ),
         (
             "top_deg = 5.0",
             "top_deg = 5.0\nopening_deg = 400",
@@ -69,8 +84,16 @@ fn bad_worlds_are_refused_with_one_line_that_names_the_key() {
         ),
         ("step_deg = 1.0", "step_deg = 1e-5", &["laser 0.step_deg", "10 million"]),
         ("step_deg = 1.0", "step_deg = 400", &["laser 0.step_deg", "found 0 per beam"]),
-        ("width = 160", "width = 1000000", &["stereo.width", "32 million", "1000000 x 96"]),
-        ("frames = 3", "frames = 8", &["trajectory.waypoints", "at least 0.700 s for 8 frames", "0.500 s"]),
+        (
+            "width = 160",
+            "width = 1000000",
+            &["`width = 1000000`: stereo.width", "32 million", "1000000 x 96"],
+        ),
+        (
+            "frames = 3",
+            "frames = 8",
+            &["line 8, `waypoints = [`: trajectory.waypoints", "at least 0.700 s for 8 frames", "0.500 s"],
+        ),
         ("    { at_m = [6.0, 0.5] },\n", "", &["trajectory.waypoints", "at least 0.200 s", "found 0.000 s"]),
         ("at_m = [6.0, 0.5]", "at_m = [6.0]", &["`{ at_m = [6.0] },`", "two or three coordinates, found 1"]),
         (", speed_mps = 10.0", "", &["trajectory.waypoints", "a speed_mps at the first way-point"]),

@@ -1,6 +1,6 @@
 use evigrid_core::LaserScan;
 use evigrid_grid::{FrameEvidence, GridSpec, LogOddsGrid, RayWalk};
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::{SettingError, TruthSettings};

@@ -39,8 +39,9 @@ fn twin(settings: &TruthSettings, scans: &[LaserScan]) -> (Vec<bool>, Vec<f32>) 
     let mut occupied = vec![false; spec.cell_count()];
     for scan in scans {
         let mut marks = BTreeMap::new();
-        let origin = scan.map_from_laser() * Point3::origin();
-        for point in scan.points() {
+        for (index, point) in scan.points().iter().enumerate() {
+            let own = scan.origins().map_or([0.0; 3], |origins| origins[index]);
+            let origin = scan.map_from_laser() * Point3::from(own.map(f64::from));
             let end = scan.map_from_laser() * Point3::from(point.map(f64::from));
             let range = (end - origin).norm();
             if range < settings.min_range_m {
@@ -68,9 +69,12 @@ fn twin(settings: &TruthSettings, scans: &[LaserScan]) -> (Vec<bool>, Vec<f32>) 
 fn scan() -> impl Strategy<Value = LaserScan> {
     let coordinate = || -7.0..7.0_f32;
     let points = prop::collection::vec([coordinate(), coordinate(), -2.0..2.0_f32], 1..30);
-    (points, [-1.0..6.0_f64, -2.0..2.0, -1.0..1.0], -3.0..3.0_f64).prop_map(|(points, at, yaw)| {
+    let place = [-1.0..6.0_f64, -2.0..2.0, -1.0..1.0];
+    (points, place, -3.0..3.0_f64, any::<bool>()).prop_map(|(points, at, yaw, moves)| {
         let rotation = UnitQuaternion::from_euler_angles(0.1, -0.2, yaw);
-        LaserScan::new(points, Pose::from_parts(Vector3::from(at).into(), rotation)).unwrap()
+        let origins = (0..points.len()).map(|i| [0.1, -0.05, 0.02].map(|v| v * i as f32)).collect();
+        let scan = LaserScan::new(points, Pose::from_parts(Vector3::from(at).into(), rotation)).unwrap();
+        if moves { scan.with_origins(origins).unwrap() } else { scan }
     })
 }
 

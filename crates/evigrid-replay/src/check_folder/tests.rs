@@ -32,6 +32,25 @@ fn missing_scans_do_not_matter_to_mapping() {
 }
 
 #[test]
+fn origins_of_laser_points_are_looked_at_where_there_are_some() {
+    let recording = fixtures::kitti_odometry(3);
+    std::fs::create_dir(recording.dir.join("velodyne_origins")).unwrap();
+    recording.write("velodyne_origins/000001.bin", fixtures::origin_bytes(&[[0.1, 0.0, 0.0]]));
+    let report = check(&recording.dir);
+    let origins = item(&report, "laser origins");
+    assert_eq!((origins.state, origins.missing.to_string().as_str()), (ItemState::Optional, "0, 2"));
+    assert!(report.usable(), "{report}");
+    recording.write("velodyne_origins/000000.bin", fixtures::origin_bytes(&[[0.0; 3]; 2]));
+    recording.remove("velodyne/000001.bin");
+    let report = check(&recording.dir);
+    assert_eq!(item(&report, "laser origins").faulty.to_string(), "0..2", "{report}");
+    assert!(report.problems[0].starts_with("laser origins: expected one for each of 1 points, found 2: "));
+    assert!(
+        report.problems[1].starts_with("laser origins: expected the scan that they belong to, found none")
+    );
+}
+
+#[test]
 fn every_problem_is_reported_not_the_first_alone() {
     let recording = fixtures::kitti_raw(6);
     recording.replace("../calib_cam_to_cam.txt", "R_rect_00", "R_rect_99");

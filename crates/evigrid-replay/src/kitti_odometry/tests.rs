@@ -36,6 +36,27 @@ fn a_frame_holds_its_scan_in_the_map_frame() {
 }
 
 #[test]
+fn rays_start_where_the_file_of_origins_says() {
+    let recording = fixtures::kitti_odometry(3);
+    fs::create_dir(recording.dir.join("velodyne_origins")).unwrap();
+    recording.write("velodyne_origins/000001.bin", fixtures::origin_bytes(&[[0.5, 0.25, -0.125]]));
+    let sequence = KittiOdometry::open(&recording.dir).unwrap();
+    let frame = |index| sequence.frame(index, &Pose::identity());
+    assert_eq!(frame(0).unwrap().laser().unwrap().origins(), None);
+    assert_eq!(frame(1).unwrap().laser().unwrap().origins(), Some(&[[0.5, 0.25, -0.125]][..]));
+    recording.write("velodyne_origins/000002.bin", fixtures::origin_bytes(&[[0.0; 3]; 2]));
+    let error = frame(2).unwrap_err().to_string();
+    assert!(error.starts_with("laser origins: expected one for each of 1 points, found 2: "), "{error}");
+    assert!(error.ends_with("velodyne_origins/000002.bin"), "{error}");
+    recording.remove("velodyne/000001.bin");
+    let error = frame(1).unwrap_err().to_string();
+    assert!(
+        error.starts_with("laser origins: expected the scan that they belong to, found none: "),
+        "{error}"
+    );
+}
+
+#[test]
 fn poses_lie_in_the_sequence_or_where_the_benchmark_packs_them() {
     let recording = fixtures::kitti_odometry(2);
     let packed = recording.dir.join("../../poses");

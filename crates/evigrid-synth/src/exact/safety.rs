@@ -1,0 +1,229 @@
+//! Where a robot can drive, by the definitions of a published method but with the world's real surfaces.
+
+use evigrid_core::Pose;
+use evigrid_grid::GridSpec;
+use rayon::prelude::*;
+
+use super::ground::{GroundColumn, GroundSurface, Probe, cell_point};
+use super::segments::{Plan, Segments};
+use crate::{SynthError, World};
+
+/// What a cell is to a robot (Murarka and Kuipers 2009).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SafetyLabel {
+    /// Safe, and nearly level.
+    Level,
+    /// Safe, and inclined.
+    Inclined,
+    /// Unsafe: too steep, an edge, an obstacle, or ground that the robot cannot get to.
+    NonGround,
+    /// No surface, or a surface too small or too thin to tell.
+    Unknown,
+}
+
+/// The parameters of Murarka and Kuipers 2009; the defaults are the paper's except where it says otherwise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SafetySettings {
+    /// Steeper ground is unsafe (theta_max). Unit: degrees.
+    pub max_slope_deg: f64,
+    /// Safe ground that is steeper is inclined, not level (theta_T). Unit: degrees.
+    pub level_slope_deg: f64,
+    /// A robot gets over lower steps alone (h_T). Unit: metres.
+    pub max_step_m: f64,
+    /// It takes so many cells with a low step to get from one segment to the next (num_T).
+    pub min_border_cells: usize,
+    /// Smaller segments are unknown (n_small). Unit: cells.
+    pub min_segment_cells: usize,
+    /// Segments with fewer interior cells per boundary cell are unknown.
+    pub min_interior_per_boundary: f64,
+    /// Segments further up or down are not examined, whatever their size (w_T of one voxel of l_v). Unit: metres.
+    pub max_examined_step_m: f64,
+    /// Neighbouring cells are on one surface if the plane of one leads past the other's centre by no more. Unit:
+    /// metres. Source: own; far below a step and above what a bend from level to inclined ground does in a small cell.
+    pub continuity_m: f64,
+    /// Cells whose centres are farther from the robot's start are unknown (R_max, 4 m in the paper); no limit if none.
+    /// Unit: metres. Source: own default.
+    pub max_range_m: Option<f64>,
+}
+
+impl Default for SafetySettings {
+    fn default() -> Self {
+        Self {
+            max_slope_deg: 10.0,
+            level_slope_deg: 3.0,
+            max_step_m: 0.05,
+            min_border_cells: 5,
+            min_segment_cells: 6,
+            min_interior_per_boundary: 0.1,
+            max_examined_step_m: 0.1,
+            continuity_m: 0.01,
+            max_range_m: None,
+        }
+    }
+}
+
+/// True safety labels of the cells (i, j) of a grid's ground plan.
+///
+/// The surface of a cell is that of [`super::GroundTruth`]. A cell has an edge, and is non-ground, if at 4 x 4 places
+/// in it the height is more than `max_step_m` off the plane at its centre, or something there reaches higher than the
+/// robot, or nothing is there. Segments are 8-connected cells on one continuous surface, of which all or none are too
+/// steep. What follows is Algorithm 2 of the paper, with the true planes at the cells in place of fitted ones:
+/// - segments that steps of at most `max_examined_step_m` do not lead to from the robot's are non-ground;
+/// - steep segments are non-ground, small and thin ones unknown, the one under the robot is safe;
+/// - a segment next to a safe one becomes safe if at enough cells of either at their border the heights differ by less
+///   than `max_step_m`; all others are non-ground.
+///
+/// Whether safe ground is level or inclined is decided cell by cell.
+#[derive(Debug, Clone)]
+pub struct SafetyTruth {
+    spec: GridSpec,
+    labels: Vec<SafetyLabel>,
+}
+
+/// Places along each edge of a cell where its surface is looked at.
+const PLACES: usize = 4;
+
+/// What a cell is before segments are known.
+#[derive(Debug, Clone, Copy)]
+enum Examined {
+    Nothing,
+    Obstacle,
+    Ground(GroundSurface),
+}
+
+impl SafetyTruth {
+    /// The truth for the cells of `spec`, whose heights do not matter, and a robot that starts at `first_frame`. If it
+    /// stands outside of the grid, it counts as standing on the nearest cell.
+    ///
+    /// # Errors
+    /// As [`super::GroundTruth::new`], or if the robot's cell has no surface or an edge.
+    pub fn new(
+        world: &World,
+        spec: GridSpec,
+        map_from_world: &Pose,
+        first_frame: usize,
+        settings: &SafetySettings,
+    ) -> Result<Self, SynthError> {
+        let probe = Probe::new(world, map_from_world, first_frame)?;
+        let [nx, ny, _] = spec.shape();
+        let cell = |flat: usize| [flat / ny, flat % ny];
+        let is_near = |cell: [usize; 2]| {
+            let [x, y] = cell_point(&spec, cell, [0.5, 0.5]);
+            let away = libm::hypot(x - probe.robot_m[0], y - probe.robot_m[1]);
+            settings.max_range_m.is_none_or(|limit| away <= limit)
+        };
+        let examined: Vec<Examined> = (0..nx * ny)
+            .into_par_iter()
+            .with_min_len(64)
+            .map(|flat| match cell(flat) {
+                cell if is_near(cell) => examine(&probe, &spec, cell, settings),
+                _ => Examined::Nothing,
+            })
+            .collect();
+        let surface = |cell: &Examined| match cell {
+            Examined::Ground(surface) => Some(*surface),
+            Examined::Nothing | Examined::Obstacle => None,
+        };
+        let surfaces: Vec<Option<GroundSurface>> = examined.iter().map(surface).collect();
+        let plan = Plan { shape: [nx, ny], cell_size_m: spec.cell_size_m(), surfaces: &surfaces, settings };
+        let segments = plan.segments();
+        let Some(start) = segments.of_cell[nearest_cell(&spec, probe.robot_m)] else {
+            let expected =
+                format!("the robot on a surface without an edge in its cell at frame {first_frame}");
+            return Err(SynthError::value("robot", expected, "an edge or nothing"));
+        };
+        let verdicts = verdicts(&plan, &segments, start);
+        let label = |(flat, cell): (usize, &Examined)| match cell {
+            Examined::Nothing => SafetyLabel::Unknown,
+            Examined::Obstacle => SafetyLabel::NonGround,
+            Examined::Ground(surface) => match segments.of_cell[flat].map(|segment| verdicts[segment]) {
+                Some(Verdict::Safe) if surface.slope_rad().to_degrees() > settings.level_slope_deg => {
+                    SafetyLabel::Inclined
+                }
+                Some(Verdict::Safe) => SafetyLabel::Level,
+                Some(Verdict::Unknown) => SafetyLabel::Unknown,
+                Some(Verdict::NonGround) | None => SafetyLabel::NonGround,
+            },
+        };
+        Ok(Self { labels: examined.iter().enumerate().map(label).collect(), spec })
+    }
+
+    /// The grid's geometry; only x and y matter.
+    pub fn spec(&self) -> &GridSpec {
+        &self.spec
+    }
+
+    /// The label of each cell (i, j); its place in the list is i * ny + j.
+    pub fn labels(&self) -> &[SafetyLabel] {
+        &self.labels
+    }
+}
+
+fn nearest_cell(spec: &GridSpec, point_m: [f64; 2]) -> usize {
+    let [x, y, _] = spec.to_cells([point_m[0], point_m[1], 0.0]);
+    let [nx, ny, _] = spec.shape();
+    // A cast from float to integer stops at 0.
+    (x as usize).min(nx - 1) * ny + (y as usize).min(ny - 1)
+}
+
+fn examine(probe: &Probe, spec: &GridSpec, cell: [usize; 2], settings: &SafetySettings) -> Examined {
+    let surface = match probe.column(cell_point(spec, cell, [0.5, 0.5])) {
+        GroundColumn::Empty => return Examined::Nothing,
+        GroundColumn::Filled { .. } => return Examined::Obstacle,
+        GroundColumn::Surface(surface) => surface,
+    };
+    let place = |index: usize| (index as f64 + 0.5) / PLACES as f64;
+    let is_flat = (0..PLACES * PLACES).all(|index| {
+        let at = [place(index / PLACES), place(index % PLACES)];
+        let plane_m = surface.height_at(at.map(|share| (share - 0.5) * spec.cell_size_m()));
+        match probe.column(cell_point(spec, cell, at)) {
+            GroundColumn::Surface(there) => (there.height_m - plane_m).abs() <= settings.max_step_m,
+            GroundColumn::Empty | GroundColumn::Filled { .. } => false,
+        }
+    });
+    if is_flat { Examined::Ground(surface) } else { Examined::Obstacle }
+}
+
+/// What a segment is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Safe,
+    NonGround,
+    Unknown,
+}
+
+/// Algorithm 2 for segments, given the one under the robot.
+fn verdicts(plan: &Plan<'_>, segments: &Segments, start: usize) -> Vec<Verdict> {
+    let settings = plan.settings;
+    let is_examined = segments.reached(start, |_, border| border.step_m <= settings.max_examined_step_m);
+    let unsafe_from_the_start = |segment: usize| {
+        let cells = &segments.cells[segment];
+        let interior = segments.interior[segment];
+        let boundary = cells.len() - interior;
+        let is_steep = cells.iter().any(|&cell| plan.surfaces[cell].is_some_and(|s| plan.is_steep(&s)));
+        let is_thin = (interior as f64) < settings.min_interior_per_boundary * boundary as f64;
+        if segment == start {
+            None
+        } else if !is_examined[segment] || is_steep {
+            Some(Verdict::NonGround)
+        } else if cells.len() < settings.min_segment_cells || is_thin {
+            Some(Verdict::Unknown)
+        } else {
+            None
+        }
+    };
+    let first: Vec<Option<Verdict>> = (0..segments.cells.len()).map(unsafe_from_the_start).collect();
+    let is_safe = segments.reached(start, |other, border| {
+        first[other].is_none() && border.agreeing.len() >= settings.min_border_cells
+    });
+    let verdict = |(first, is_safe): (Option<Verdict>, bool)| match first {
+        Some(verdict) => verdict,
+        None if is_safe => Verdict::Safe,
+        None => Verdict::NonGround,
+    };
+    first.into_iter().zip(is_safe).map(verdict).collect()
+}
+
+#[cfg(test)]
+#[path = "safety_tests.rs"]
+mod tests;
