@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use evigrid_eval::Config;
+use evigrid_eval::{Config, ToleranceRule, parse_percent};
 use evigrid_synth::World;
 
 /// Replays stereo recordings, builds occupancy grids with published methods and scores them against the laser.
@@ -19,6 +19,8 @@ pub enum Command {
     Run(RunArgs),
     /// Score a map that another mapper made.
     Score(ScoreArgs),
+    /// Tell what got better or worse from one run to another; exit code 1 if anything got worse.
+    Compare(CompareArgs),
     /// Tell what was expected of a data set, what was found and what can be run on it.
     Check(CheckArgs),
     /// Make figures and tables again, each as data and picture.
@@ -84,6 +86,27 @@ pub struct ScoreArgs {
     pub map: PathBuf,
     #[command(flatten)]
     pub input: InputArgs,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct CompareArgs {
+    /// Results folder of the run that is the measure.
+    #[arg(value_name = "BASE")]
+    pub base: PathBuf,
+    /// Results folder of the run that is judged.
+    #[arg(value_name = "NEW")]
+    pub new: PathBuf,
+    /// What change counts as none: 0.005 (all rates), 2% (all counts), METRIC=0.005, METRIC=2%; METRIC=off gives no
+    /// verdict; may be given many times [default: 0.002 and 1%].
+    #[arg(long = "tolerance", value_name = "[METRIC=]VALUE")]
+    pub tolerances: Vec<ToleranceRule>,
+    /// Judge time and memory too; up to PERCENT more is tolerated.
+    #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "20%",
+        value_parser = parse_percent)]
+    pub timing: Option<f64>,
+    /// Show unchanged metrics too.
+    #[arg(long)]
+    pub all: bool,
 }
 
 #[derive(Debug, clap::Args)]

@@ -1,10 +1,11 @@
 //! The command line of evigrid.
 //!
-//! Exit codes: 0 fine, 1 a check found problems, 2 bad usage or bad input. Results go to files and standard output,
+//! Exit codes: 0 fine, 1 a check found problems or a comparison found something worse, 2 bad usage or bad input. Results go to files and standard output,
 //! everything else to standard error.
 
 mod args;
 mod check;
+mod compare;
 mod methods;
 mod output;
 mod progress;
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
     let result = match args.command {
         Command::Run(args) => run::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Score(args) => score::score(&args).map(|()| ExitCode::SUCCESS),
+        Command::Compare(args) => compare::compare(&args),
         Command::Check(args) => check::check(&args),
         Command::Reproduce(args) => reproduce::reproduce_all(&args).map(|()| ExitCode::SUCCESS),
         Command::Synth(args) => synth::synth(&args).map(|()| ExitCode::SUCCESS),

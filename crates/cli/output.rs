@@ -26,10 +26,15 @@ pub fn usage_error(error: &clap::Error) -> ExitCode {
     }
     let text = error.to_string();
     // The message, its list of missing arguments and the tip; not the usage and the hint at --help.
-    let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
+    let lines = text.lines().map(str::trim).take_while(|line| !ends_message(line));
     let parts: Vec<_> = lines.filter(|line| !line.is_empty()).collect();
     eprintln!("{} (see --help)", parts.join("; "));
     ExitCode::from(2)
+}
+
+/// Whether a line of clap's is the first after its message and tip.
+fn ends_message(line: &str) -> bool {
+    line.starts_with("Usage:") || line.starts_with("For more information")
 }
 
 /// An error with all its causes in one line, without repeating what a cause already says.

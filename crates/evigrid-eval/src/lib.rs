@@ -3,6 +3,7 @@
 
 mod clock;
 mod colours;
+mod compare;
 mod config;
 mod map_file;
 mod memory;
@@ -18,6 +19,7 @@ mod tables;
 
 pub use clock::{Clock, RealClock};
 pub use colours::turbo;
+pub use compare::{CompareOptions, Comparison, ToleranceRule, compare, parse_percent};
 pub use config::{Config, ConfigError, InputSettings, OutputSettings, RunSettings, ScoreSettings};
 pub use map_file::{MapFile, read_map, write_map, write_truth};
 pub use memory::peak_memory_mib;

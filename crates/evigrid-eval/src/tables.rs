@@ -188,7 +188,7 @@ fn frame_row(info: &RunInfo, step: &Step<'_>, method: &MethodStep<'_>) -> Vec<St
     row
 }
 
-fn summary_header(info: &RunInfo) -> Vec<String> {
+pub(crate) fn summary_header(info: &RunInfo) -> Vec<String> {
     let mut header = ["dataset", "method", "frames"].map(str::to_owned).to_vec();
     header.extend(score_columns(info));
     header.extend(["curve_area", "average_precision", "frames_without_laser"].map(str::to_owned));
@@ -290,6 +290,10 @@ fn markdown_row(method: &MethodResult) -> String {
     )
 }
 
+/// Version of the tables of a run, in run.json. It rises when a column or a key changes its meaning or its name;
+/// `evigrid compare` refuses runs of another one. New columns and keys leave it as it is.
+pub(crate) const RESULTS_FORMAT: u64 = 1;
+
 /// run.json: what was run, with what, on what machine.
 ///
 /// # Errors
@@ -297,6 +301,7 @@ fn markdown_row(method: &MethodResult) -> String {
 pub fn run_json(info: &RunInfo, result: &RunResult, build: &serde_json::Value) -> Result<String> {
     let settings = serde_json::to_value(&info.config)?;
     let value = json!({
+        "format": RESULTS_FORMAT,
         "build": build,
         "dataset": info.dataset,
         "layout": info.layout,
