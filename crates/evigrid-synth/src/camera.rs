@@ -24,9 +24,15 @@ pub struct StereoSpec {
     baseline_m: Positive,
     /// The left camera in the body frame, metres.
     mount_m: [Finite; 3],
+    /// How far the cameras are turned to the left.
+    #[serde(default)]
+    yaw_deg: Finite,
     /// How far the cameras look down.
     #[serde(default)]
     tilt_deg: Finite,
+    /// How far the cameras' left side is up.
+    #[serde(default)]
+    roll_deg: Finite,
     /// What the cameras add to the light; nothing if it is not given.
     #[serde(default)]
     pub noise: CameraNoiseSpec,
@@ -108,7 +114,8 @@ impl StereoSpec {
 
     /// Pose of the left camera on the body.
     pub fn body_from_left(&self) -> Pose {
-        let rotation = angle::tilt_down(self.tilt_deg.0) * angle::body_from_camera_axes();
+        let rotation = angle::attitude(self.yaw_deg.0, -self.tilt_deg.0, self.roll_deg.0)
+            * angle::body_from_camera_axes();
         Isometry3::from_parts(Translation3::from(vector(self.mount_m)), rotation)
     }
 }

@@ -24,6 +24,18 @@ fn the_poses_follow_from_the_description() {
 }
 
 #[test]
+fn the_cameras_turn_tilt_and_roll() {
+    let turned = BOX.replace("baseline_m", "yaw_deg = 90\ntilt_deg = 30\nroll_deg = 10\nbaseline_m");
+    let pose = World::from_toml(&turned).unwrap().true_world_from_left(0);
+    let (sin, cos) = 30_f64.to_radians().sin_cos();
+    let forward = pose.rotation * Vector3::z();
+    assert!((forward - Vector3::new(0.0, cos, -sin)).norm() < 1e-9, "{forward}");
+    // The image's x axis points down to the right by the roll.
+    let right = pose.rotation * Vector3::x();
+    assert!((right.z + 10_f64.to_radians().sin() * cos).abs() < 1e-9, "{right}");
+}
+
+#[test]
 fn every_world_file_is_built_in() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../datasets/synth");
     let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());

@@ -17,21 +17,25 @@ fn frame(sequence: &SyntheticSequence, index: usize) -> Frame {
     sequence.frame(index, &Pose::identity()).unwrap()
 }
 
-fn with_threads(threads: usize, index: usize) -> Frame {
+fn with_threads(threads: usize, world: &str, index: usize) -> Frame {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    pool.install(|| frame(&SyntheticSequence::new(World::builtin("street").unwrap()), index))
+    pool.install(|| frame(&SyntheticSequence::new(World::builtin(world).unwrap()), index))
 }
 
 #[test]
 fn the_bytes_are_the_same_for_any_number_of_threads_and_every_time() {
-    let one = with_threads(1, 3);
-    for other in [with_threads(2, 3), with_threads(2, 3), with_threads(5, 3)] {
-        assert_eq!(one.left(), other.left());
-        assert_eq!(one.right(), other.right());
-        let (a, b) = (one.laser().unwrap(), other.laser().unwrap());
-        assert_eq!(a.points(), b.points());
+    // A street that stands still, and a crossing where things move.
+    for world in ["street", "crossing"] {
+        let one = with_threads(1, world, 3);
+        for threads in [2, 2, 5] {
+            let other = with_threads(threads, world, 3);
+            assert_eq!(one.left(), other.left());
+            assert_eq!(one.right(), other.right());
+            let (a, b) = (one.laser().unwrap(), other.laser().unwrap());
+            assert_eq!((a.points(), a.origins()), (b.points(), b.origins()));
+        }
+        assert_ne!(one.left(), with_threads(2, world, 4).left());
     }
-    assert_ne!(one.left(), with_threads(2, 4).left());
 }
 
 #[test]
@@ -250,4 +254,37 @@ fn reported_poses_carry_errors_and_images_do_not() {
     let shift = a.laser().unwrap().map_from_laser().translation.vector
         - b.laser().unwrap().map_from_laser().translation.vector;
     assert!((shift - error).norm() < 1e-9);
+}
+
+/// A cube of 2 units whose quads are anticlockwise from outside.
+const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
+                    f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+#[test]
+fn a_mesh_file_beside_the_world_is_seen_like_the_box_it_shows() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("world.toml");
+    let shape = "shape = { box = { size_m = [1.0, 4.0, 3.0] } }";
+    let with = |shape_now: &str| {
+        std::fs::write(&path, BOX.replace(shape, shape_now)).unwrap();
+        World::from_file(&path)
+    };
+    std::fs::write(folder.path().join("cube.obj"), CUBE).unwrap();
+    let meshed = with("shape = { mesh_file = { path = \"cube.obj\", unit_m = 0.6 } }").unwrap();
+    let boxed = with("shape = { box = { size_m = [1.2, 1.2, 1.2] } }").unwrap();
+    let points = |world: World| frame(&SyntheticSequence::new(world), 0).laser().unwrap().points().to_vec();
+    let (meshed, boxed) = (points(meshed), points(boxed));
+    assert_eq!(meshed.len(), boxed.len());
+    for (a, b) in meshed.iter().zip(&boxed) {
+        assert!((0..3).all(|i| (a[i] - b[i]).abs() < 1e-4), "{a:?} {b:?}");
+    }
+    std::fs::write(folder.path().join("cube.obj"), "v 1 2\nf 1 2 3\n").unwrap();
+    let error =
+        with("shape = { mesh_file = { path = \"cube.obj\", unit_m = 0.6 } }").unwrap_err().to_string();
+    assert!(
+        error.starts_with("line ") && error.contains("cube.obj") && error.ends_with("world.toml)"),
+        "{error}"
+    );
+    let error = World::from_file(&folder.path().join("none.toml")).unwrap_err().to_string();
+    assert!(error.ends_with("none.toml)"), "{error}");
 }
