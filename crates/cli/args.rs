@@ -17,6 +17,8 @@ pub struct Args {
 pub enum Command {
     /// Map a recording and score the maps; without arguments on a small built-in world.
     Run(RunArgs),
+    /// Map and score a grid of settings x methods x data sets; goes on where an earlier sweep was stopped.
+    Sweep(SweepArgs),
     /// Score a map that another mapper made.
     Score(ScoreArgs),
     /// Tell what got better or worse from one run to another; exit code 1 if anything got worse.
@@ -74,7 +76,21 @@ pub struct RunArgs {
     /// A method (`evigrid methods` lists them); may be given many times [default: winner-take-all].
     #[arg(long = "method", value_name = "NAME")]
     pub methods: Vec<String>,
-    /// Folder for the results [default: out/DATASET].
+    /// Sweep a setting over a range, SECTION.KEY=A..B:STEP or SECTION.KEY=[VALUE, ...], around this run; may be given many
+    /// times, for all combinations. No recording is written.
+    #[arg(long = "sweep", value_name = "KEY=A..B:STEP")]
+    pub sweeps: Vec<String>,
+    /// Folder for the results [default: out/DATASET, of a sweep out/sweep-DATASET].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct SweepArgs {
+    /// The plan in TOML (docs/sweep.md).
+    #[arg(value_name = "PLAN.toml")]
+    pub plan: PathBuf,
+    /// Folder for the results; points that it holds are kept [default: out/sweep-NAME].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

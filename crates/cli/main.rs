@@ -12,6 +12,7 @@ mod progress;
 mod reproduce;
 mod run;
 mod score;
+mod sweep;
 mod synth;
 
 use std::process::ExitCode;
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
     };
     let result = match args.command {
         Command::Run(args) => run::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Sweep(args) => sweep::sweep(&args).map(|()| ExitCode::SUCCESS),
         Command::Score(args) => score::score(&args).map(|()| ExitCode::SUCCESS),
         Command::Compare(args) => compare::compare(&args),
         Command::Check(args) => check::check(&args),

@@ -2,7 +2,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Result;
-use evigrid_eval::{Observer, RunInfo, RunResult, SealedFile, Step};
+use evigrid_eval::{Observer, RunInfo, RunResult, SealedFile, Step, SweepStep};
 use evigrid_grid::LogOddsGrid;
 use evigrid_synth::WriteStep;
 use evigrid_truth::LaserTruth;
@@ -107,5 +107,66 @@ impl Drop for WriteProgress {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
+    }
+}
+
+/// Shows how far a sweep is, in the same way.
+#[derive(Debug, Default)]
+pub struct SweepProgress {
+    bar: Option<ProgressBar>,
+    frames: usize,
+}
+
+impl SweepProgress {
+    /// The next step of a sweep into the folder `out`.
+    pub fn show(&mut self, step: SweepStep<'_>, out: &Path) {
+        match step {
+            SweepStep::LeftOver(names) => {
+                let names = names.join(", ");
+                log::warn!(
+                    "an earlier sweep in {} did not finish; removed what it left: {names}",
+                    out.display()
+                );
+            }
+            SweepStep::Kept { kept: 0, .. } => {}
+            SweepStep::Kept { kept, total } => eprintln!("{kept} of {total} points are there already"),
+            SweepStep::Pass { dataset, points, frames } => self.begin(dataset, points, frames),
+            SweepStep::Frame(done) => self.frame(done),
+        }
+    }
+
+    fn begin(&mut self, dataset: &str, points: usize, frames: usize) {
+        self.frames = frames;
+        self.clear();
+        eprintln!("{dataset}: {points} points, {frames} frames");
+        let bar = ProgressBar::new(frames as u64);
+        if let (false, Ok(style)) =
+            (bar.is_hidden(), ProgressStyle::with_template("{bar:30} frame {pos}/{len}, {per_sec}"))
+        {
+            bar.set_style(style);
+            self.bar = Some(bar);
+        }
+    }
+
+    fn frame(&self, done: usize) {
+        match &self.bar {
+            Some(bar) => bar.set_position(done as u64),
+            None if done * 10 / self.frames > (done - 1) * 10 / self.frames => {
+                eprintln!("frame {done}/{}", self.frames);
+            }
+            None => {}
+        }
+    }
+
+    fn clear(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for SweepProgress {
+    fn drop(&mut self) {
+        self.clear();
     }
 }

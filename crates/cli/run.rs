@@ -2,19 +2,23 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use evigrid_eval::{
-    Observer, Plan, RealClock, ResultsFolder, RunResult, TableWriter, evaluate, markdown_summary,
+    Observer, Plan, RealClock, ResultsFolder, RunResult, SweepPlan, TableWriter, evaluate, markdown_summary,
 };
 use serde_json::json;
 
 use crate::args::RunArgs;
 use crate::output::print;
 use crate::progress::Progress;
+use crate::sweep::run_plan;
 
 /// `evigrid run`.
 pub fn run(args: &RunArgs) -> Result<()> {
     let mut config = args.input.config()?;
     if !args.methods.is_empty() {
         config.run.methods.clone_from(&args.methods);
+    }
+    if !args.sweeps.is_empty() {
+        return run_plan(SweepPlan::around(config, &args.sweeps)?, args.out.clone());
     }
     let plan = Plan::new(config)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&plan.info.dataset));
@@ -71,7 +75,7 @@ fn speed(result: &RunResult) -> String {
 }
 
 /// What run.json says of the build and the machine.
-fn build() -> serde_json::Value {
+pub fn build() -> serde_json::Value {
     let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let cpu = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
     json!({

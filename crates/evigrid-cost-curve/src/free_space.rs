@@ -76,18 +76,31 @@ fn pixel_reaches(
     place: Vector3<f64>,
     steps: i32,
 ) -> bool {
+    pixel_at(rays, reach.size(), place)
+        .is_some_and(|(x, y)| reach.at(x, y) >= steps && crosses(rays, centre, place.z, (x, y)))
+}
+
+/// The pixel that sees a place, if any ray gets there.
+#[inline(always)]
+pub(crate) fn pixel_at(
+    rays: &Rays<'_>,
+    (width, height): (usize, usize),
+    place: Vector3<f64>,
+) -> Option<(usize, usize)> {
     let depth = place.z;
     if depth <= 0.0 || depth >= rays.max_depth_m {
-        return false;
+        return None;
     }
     let (x, y) = (place.x / depth + 0.5, place.y / depth + 0.5);
-    let (width, height) = reach.size();
-    if x < 0.0 || y < 0.0 || x >= width as f64 || y >= height as f64 {
-        return false;
-    }
-    let (x, y) = (x as usize, y as usize);
+    let inside = !(x < 0.0 || y < 0.0 || x >= width as f64 || y >= height as f64);
+    inside.then_some((x as usize, y as usize))
+}
+
+/// Whether a pixel's ray lies within the cell around a centre (relative to the camera) in a certain depth.
+#[inline(always)]
+pub(crate) fn crosses(rays: &Rays<'_>, centre: [f64; 3], depth: f64, (x, y): (usize, usize)) -> bool {
     let direction = rays.direction(x as f64, y as f64);
-    reach.at(x, y) >= steps && (0..3).all(|a| (depth * direction[a] - centre[a]).abs() < 0.5)
+    (0..3).all(|a| (depth * direction[a] - centre[a]).abs() < 0.5)
 }
 
 /// The same for every pixel of the silhouette, all of which lie within these columns and rows (first and last).
@@ -113,19 +126,19 @@ fn any_pixel_reaches(
 }
 
 /// From places relative to the camera to the image.
-struct Projection {
+pub(crate) struct Projection {
     /// (u z, v z, z) of a place: pixel (u, v), depth z.
-    matrix: Matrix3<f64>,
+    pub matrix: Matrix3<f64>,
     /// The same of a cell's corners, relative to its centre.
     corners: [Vector3<f64>; 8],
     /// The same of eight places within it, on the way from the centre to the corners.
-    samples: [Vector3<f64>; 8],
+    pub samples: [Vector3<f64>; 8],
     /// Half a cell's extent in depth, metres.
-    half_depth_m: f64,
+    pub half_depth_m: f64,
 }
 
 impl Projection {
-    fn new(rays: &Rays<'_>) -> Self {
+    pub fn new(rays: &Rays<'_>) -> Self {
         let matrix = rays.projection();
         let half = |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -0.5 } else { 0.5 };
         let corners = std::array::from_fn(|n| matrix * Vector3::from_fn(|a, _| half(n, a)));
@@ -136,7 +149,7 @@ impl Projection {
     /// The columns and rows of the image, first and last, that hold the whole cell around a projected place; `None`
     /// if it lies outside the image.
     #[inline(always)]
-    fn image_box(&self, place: Vector3<f64>, (width, height): (usize, usize)) -> Option<[[usize; 2]; 2]> {
+    pub fn image_box(&self, place: Vector3<f64>, (width, height): (usize, usize)) -> Option<[[usize; 2]; 2]> {
         // The image of a cell that comes this near the camera's plane is not bounded by that of its corners.
         if place.z <= 1.001 * self.half_depth_m {
             return Some([[0, width - 1], [0, height - 1]]);

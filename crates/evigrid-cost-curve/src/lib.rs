@@ -3,6 +3,9 @@
 
 mod elfes;
 mod free_space;
+mod nested_free_space;
+mod nested_reach;
+mod peak_ratios;
 mod profile;
 mod rays;
 mod reach;
@@ -12,6 +15,7 @@ mod silhouette;
 mod winner_take_all;
 
 pub use elfes::{occupancy, occupancy_from_weights};
+pub use peak_ratios::PeakRatios;
 pub use profile::{GaussianProfile, PRIOR_TOLERANCE, Profile, ProfileTable};
 pub use settings::{Deviation, SettingError, WinnerTakeAllSettings};
 pub use winner_take_all::WinnerTakeAll;

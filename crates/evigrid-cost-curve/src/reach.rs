@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 /// Pixels along the edge of a tile.
-const TILE: usize = 8;
+pub(crate) const TILE: usize = 8;
 /// The reach of a pixel without a believable match: its ray says nothing.
 pub(crate) const NO_REACH: i32 = i32::MIN;
 

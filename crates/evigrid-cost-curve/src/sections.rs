@@ -43,7 +43,8 @@ fn draw_row(
         // The filters that a winner-take-all approach relies on (section I-A).
         *reach = if passes_filters(model.settings, matches, pixel) {
             let disparity = f64::from(matches.disparity.values()[pixel]);
-            draw_section(rays, model, rays.direction(x as f64, y as f64), disparity, evidence)
+            let direction = rays.direction(x as f64, y as f64);
+            draw_section(rays, model, direction, disparity, |cell, key| evidence.offer(cell, key))
         } else {
             NO_REACH
         };
@@ -53,19 +54,23 @@ fn draw_row(
 /// Whether a pixel's winner is to be believed. NaN fails every comparison.
 #[inline]
 fn passes_filters(settings: &WinnerTakeAllSettings, matches: &Matches, pixel: usize) -> bool {
-    let confirmed = !settings.left_right_check
-        || matches.left_right_difference_px[pixel] <= settings.left_right_tolerance_px;
-    confirmed && f64::from(matches.peak_ratio[pixel]) >= settings.peak_ratio
+    is_confirmed(settings, matches, pixel) && f64::from(matches.peak_ratio[pixel]) >= settings.peak_ratio
 }
 
-/// From sensor space to grid space: draws one ray's section and returns its reach.
+/// Whether the right image confirms a pixel's winner, or nobody asks it.
+#[inline]
+pub(crate) fn is_confirmed(settings: &WinnerTakeAllSettings, matches: &Matches, pixel: usize) -> bool {
+    !settings.left_right_check || matches.left_right_difference_px[pixel] <= settings.left_right_tolerance_px
+}
+
+/// From sensor space to grid space: draws one ray's section, as keys that are offered to cells, and returns its reach.
 #[inline(always)]
-fn draw_section(
+pub(crate) fn draw_section(
     rays: &Rays<'_>,
     model: InverseModel<'_>,
     direction: [f64; 3],
     disparity: f64,
-    evidence: &FrameEvidence,
+    offer: impl Fn(usize, i32),
 ) -> i32 {
     // A ray crosses |dx| + |dy| + |dz| faces per metre of depth, and between two points at most 3 more or fewer.
     let faces_per_metre = direction[0].abs() + direction[1].abs() + direction[2].abs();
@@ -80,18 +85,18 @@ fn draw_section(
     if start < rays.max_depth_m {
         let end = (depth + f64::from(profile.behind() + 2) / faces_per_metre).min(rays.max_depth_m);
         let (start, end) = (rays.at_depth(&direction, start.max(0.0)), rays.at_depth(&direction, end));
-        draw(RayWalk::towards(rays.spec, start, end, measured), profile, evidence);
+        draw(RayWalk::towards(rays.spec, start, end, measured), profile, offer);
     }
     rays.steps_to(&measured) - profile.in_front()
 }
 
 /// Offers each cell of the section the profile's value at its distance from the measured cell.
 #[inline(always)]
-fn draw(mut walk: RayWalk, profile: Profile<'_>, evidence: &FrameEvidence) {
+fn draw(mut walk: RayWalk, profile: Profile<'_>, offer: impl Fn(usize, i32)) {
     // The section begins with up to 3 cells that are simply free.
     while walk.steps() >= profile.in_front() && walk.next().is_some() {}
     for ((cell, _), &key) in walk.clone().zip(profile.keys_from(walk.steps())) {
-        evidence.offer(cell, key);
+        offer(cell, key);
     }
 }
 

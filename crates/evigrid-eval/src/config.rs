@@ -137,24 +137,21 @@ impl Config {
     /// # Errors
     /// If the file cannot be read, a key does not exist (the nearest name is given) or a value has the wrong type.
     pub fn load(file: Option<&Path>, sets: &[String]) -> Result<Self, ConfigError> {
-        let mut table = Self::default().to_table()?;
+        let mut config = Self::default();
         if let Some(path) = file {
-            let origin = path.display().to_string();
-            let text = std::fs::read_to_string(path)
-                .map_err(|source| ConfigError::Io { path: origin.clone(), source })?;
-            let given = text.parse::<Table>().map_err(|e| ConfigError::Syntax {
-                origin: origin.clone(),
-                message: syntax_error(&text, &e),
-            })?;
-            overlay(&mut table, given, &origin, "")?;
-            parse(&table, &origin)?;
+            config = config.with(read_table(path)?, &path.display().to_string())?;
         }
         for set in sets {
-            let origin = format!("--set {set}");
-            overlay(&mut table, parse_set(set)?, &origin, "")?;
-            parse(&table, &origin)?;
+            config = config.with(parse_set(set)?, &format!("--set {set}"))?;
         }
-        parse(&table, "settings")
+        Ok(config)
+    }
+
+    /// These settings, overridden by a table of the same sections; `origin` is where that comes from.
+    pub(crate) fn with(&self, given: Table, origin: &str) -> Result<Self, ConfigError> {
+        let mut table = self.to_table()?;
+        overlay(&mut table, given, origin, "")?;
+        parse(&table, origin)
     }
 
     /// The settings as TOML, to be fed back in.
@@ -165,9 +162,17 @@ impl Config {
         toml::to_string(self).map_err(|e| ConfigError::Value(e.to_string()))
     }
 
-    fn to_table(&self) -> Result<Table, ConfigError> {
+    pub(crate) fn to_table(&self) -> Result<Table, ConfigError> {
         Table::try_from(self).map_err(|e| ConfigError::Value(e.to_string()))
     }
+}
+
+/// A TOML file as it is.
+pub(crate) fn read_table(path: &Path) -> Result<Table, ConfigError> {
+    let origin = path.display().to_string();
+    let text =
+        std::fs::read_to_string(path).map_err(|source| ConfigError::Io { path: origin.clone(), source })?;
+    text.parse::<Table>().map_err(|e| ConfigError::Syntax { message: syntax_error(&text, &e), origin })
 }
 
 /// The settings of a table; `origin` is what last changed it.
@@ -215,12 +220,17 @@ fn parse_set(set: &str) -> Result<Table, ConfigError> {
         Err(e) if text.starts_with(['[', '{', '"', '\'']) => return Err(syntax(&one_line(e.message()))),
         _ => Value::String(text.into()),
     };
+    Ok(nested(key, value))
+}
+
+/// `a.b` and a value as the table `a = { b = value }`.
+pub(crate) fn nested(key: &str, value: Value) -> Table {
     let (sections, name) = key.rsplit_once('.').map_or(("", key), |(s, n)| (s, n));
     let mut table = Table::from_iter([(name.to_owned(), value)]);
     for section in sections.split('.').rev().filter(|s| !s.is_empty()) {
         table = Table::from_iter([(section.to_owned(), Value::Table(table))]);
     }
-    Ok(table)
+    table
 }
 
 fn syntax_error(text: &str, error: &toml::de::Error) -> String {
@@ -228,7 +238,7 @@ fn syntax_error(text: &str, error: &toml::de::Error) -> String {
     format!("line {line}: {}", one_line(error.message()))
 }
 
-fn one_line(text: &str) -> String {
+pub(crate) fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 

@@ -1,8 +1,8 @@
 use anyhow::Result;
-use evigrid_cost_curve::WinnerTakeAll;
-use evigrid_grid::{GridSpec, Mapper};
+use evigrid_cost_curve::{PeakRatios, WinnerTakeAll, WinnerTakeAllSettings};
+use evigrid_grid::{GridSpec, Mapper, MapperFamily};
 
-use crate::Config;
+use crate::{Config, RunInfo};
 
 /// The mapping methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,4 +52,57 @@ impl Method {
             Self::WinnerTakeAll => Box::new(WinnerTakeAll::new(spec, config.winner_take_all)?),
         })
     }
+}
+
+/// Maps of one method that are built together.
+pub(crate) struct Family {
+    /// Numbers of the points whose maps they are, by position in the family.
+    pub members: Vec<usize>,
+    /// The maps.
+    pub mapper: Box<dyn MapperFamily>,
+}
+
+impl Family {
+    /// Empty maps for points (number, method and what a run of it would be) that share their matches: those that differ
+    /// in nothing but the peak ratio in one family.
+    ///
+    /// # Errors
+    /// If one of the settings is outside its domain.
+    pub fn build(points: &[(usize, Method, &RunInfo)]) -> Result<Vec<Self>> {
+        let mut groups: Vec<Vec<(usize, Method, &RunInfo)>> = Vec::new();
+        for &point in points {
+            match groups.iter_mut().find(|group| share_drawing(&group[0], &point)) {
+                Some(group) => group.push(point),
+                None => groups.push(vec![point]),
+            }
+        }
+        groups.iter().map(|group| Self::of(group)).collect()
+    }
+
+    fn of(group: &[(usize, Method, &RunInfo)]) -> Result<Self> {
+        let (_, method, info) = group[0];
+        let members = group.iter().map(|(number, ..)| *number).collect();
+        if group.len() == 1 {
+            return Ok(Self { members, mapper: Box::new(method.build(info.spec, &info.config)?) });
+        }
+        let ratios: Vec<f64> = group.iter().map(|(_, _, i)| i.config.winner_take_all.peak_ratio).collect();
+        let mapper: Box<dyn MapperFamily> = match method {
+            Method::WinnerTakeAll => {
+                Box::new(PeakRatios::new(info.spec, info.config.winner_take_all, &ratios)?)
+            }
+        };
+        Ok(Self { members, mapper })
+    }
+}
+
+/// Whether two points differ in nothing that their maps depend on but the peak ratio, and the method can make use of it.
+fn share_drawing(a: &(usize, Method, &RunInfo), b: &(usize, Method, &RunInfo)) -> bool {
+    let settings = |info: &RunInfo| {
+        let settings = info.config.winner_take_all;
+        WinnerTakeAllSettings { peak_ratio: 1.0, ..settings }
+    };
+    a.1 == b.1
+        && match a.1 {
+            Method::WinnerTakeAll => a.2.spec == b.2.spec && settings(a.2) == settings(b.2),
+        }
 }

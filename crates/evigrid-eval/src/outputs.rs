@@ -13,17 +13,31 @@ const PARTIAL: &str = ".partial";
 #[derive(Debug)]
 pub struct ResultsFolder {
     dir: PathBuf,
+    /// Whether a file of a name is one of those that are written here.
+    is_ours: fn(&str) -> bool,
     /// The folder itself, locked against a second run; `None` where the system cannot lock folders.
     _lock: Option<fs::File>,
 }
 
 impl ResultsFolder {
-    /// Opens the folder, creating it if need be. What a run that did not finish left there is removed; its names are
+    /// Opens the folder of a run, creating it if need be. What a run that did not finish left there is removed; its names are
     /// returned, so that it can be said.
     ///
     /// # Errors
     /// If the folder cannot be created or written, or another run is writing to it.
     pub fn open(dir: &Path) -> Result<(Self, Vec<String>)> {
+        Self::open_for(dir, is_of_run)
+    }
+
+    /// The same for the tables and curves of a sweep.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_sweep(dir: &Path) -> Result<(Self, Vec<String>)> {
+        Self::open_for(dir, is_of_sweep)
+    }
+
+    fn open_for(dir: &Path, is_ours: fn(&str) -> bool) -> Result<(Self, Vec<String>)> {
         let failed = || format!("cannot write the results to {}", dir.display());
         fs::create_dir_all(dir).with_context(failed)?;
         let lock = fs::File::open(dir).ok();
@@ -41,7 +55,7 @@ impl ResultsFolder {
             }
         }
         left_over.sort();
-        Ok((Self { dir: dir.to_owned(), _lock: lock }, left_over))
+        Ok((Self { dir: dir.to_owned(), is_ours, _lock: lock }, left_over))
     }
 
     /// Gives all files of a run their names, and removes what an earlier run wrote and this one does not. Nothing is
@@ -57,7 +71,8 @@ impl ResultsFolder {
         let failed = || format!("cannot write the results to {}", self.dir.display());
         for entry in fs::read_dir(&self.dir).with_context(failed)? {
             let entry = entry.with_context(failed)?;
-            let stale = is_ours(&entry.file_name().to_string_lossy()) && !names.contains(&entry.file_name());
+            let ours = (self.is_ours)(&entry.file_name().to_string_lossy());
+            let stale = ours && !names.contains(&entry.file_name());
             if stale && entry.path().is_file() {
                 fs::remove_file(entry.path()).with_context(failed)?;
             }
@@ -80,7 +95,7 @@ impl ResultsFolder {
 }
 
 /// Whether a run writes files of this name.
-fn is_ours(name: &str) -> bool {
+fn is_of_run(name: &str) -> bool {
     const NAMES: [&str; 8] = [
         "config.toml",
         "frames.csv",
@@ -93,6 +108,12 @@ fn is_ours(name: &str) -> bool {
     ];
     let per_method = [("map.", ".npz"), ("curve.", ".csv")];
     NAMES.contains(&name) || per_method.iter().any(|(a, b)| name.starts_with(a) && name.ends_with(b))
+}
+
+/// Whether a sweep writes files of this name, beside the folders of its points.
+fn is_of_sweep(name: &str) -> bool {
+    let is_curve = name.starts_with("curves.") && (name.ends_with(".csv") || name.ends_with(".svg"));
+    ["points.csv", "sweep.md", "sweep.toml"].contains(&name) || is_curve
 }
 
 /// A file that is being written. Dropped before [`Self::seal`], it leaves nothing behind.

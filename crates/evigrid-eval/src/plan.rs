@@ -32,26 +32,41 @@ impl Plan {
     /// # Errors
     /// If the data set, a method or a frame does not exist, or a setting is outside its domain.
     pub fn new(config: Config) -> Result<Self> {
-        let methods = parse_methods(&config.run.methods)?;
-        let spec = GridSpec::new(&config.grid)?;
-        config.stereo.checked()?;
-        config.truth.checked()?;
-        config.winner_take_all.checked()?;
-        check_tolerances(&config.score.tolerances_m, config.grid.cell_size_m)?;
+        let methods = check_settings(&config)?;
         let sequence = open_dataset(&config.run.dataset)?;
-        let range: FrameRange = config.run.frames.parse()?;
-        let frames = range.frames(sequence.info().frame_count, config.run.stride)?;
-        let map_from_world = map_from_world(&sequence.world_from_left(frames[0])?);
-        let info = RunInfo {
-            dataset: sequence.info().id.clone(),
-            layout: sequence.info().layout.to_owned(),
-            frames,
-            methods: methods.iter().map(|m| m.name().to_owned()).collect(),
-            spec,
-            config,
-        };
+        let info = run_info(config, sequence.as_ref())?;
+        let map_from_world = map_frame(sequence.as_ref(), &info.frames)?;
         Ok(Self { sequence, map_from_world, methods, info })
     }
+}
+
+/// Checks everything that can be checked without the recording; returned are the methods.
+pub(crate) fn check_settings(config: &Config) -> Result<Vec<Method>> {
+    let methods = parse_methods(&config.run.methods)?;
+    GridSpec::new(&config.grid)?;
+    config.stereo.checked()?;
+    config.truth.checked()?;
+    config.winner_take_all.checked()?;
+    check_tolerances(&config.score.tolerances_m, config.grid.cell_size_m)?;
+    Ok(methods)
+}
+
+/// What a run of these settings on a recording is.
+pub(crate) fn run_info(config: Config, sequence: &dyn Sequence) -> Result<RunInfo> {
+    let range: FrameRange = config.run.frames.parse()?;
+    Ok(RunInfo {
+        dataset: sequence.info().id.clone(),
+        layout: sequence.info().layout.to_owned(),
+        frames: range.frames(sequence.info().frame_count, config.run.stride)?,
+        methods: config.run.methods.clone(),
+        spec: GridSpec::new(&config.grid)?,
+        config,
+    })
+}
+
+/// From a recording's world to the map frame of a run over these frames, at least one.
+pub(crate) fn map_frame(sequence: &dyn Sequence, frames: &[usize]) -> Result<Pose> {
+    Ok(map_from_world(&sequence.world_from_left(frames[0])?))
 }
 
 fn parse_methods(names: &[String]) -> Result<Vec<Method>> {

@@ -1,11 +1,11 @@
 use anyhow::{Context, Result};
 use evigrid_core::{Frame, Matches};
 use evigrid_grid::{Mapper, View};
-use evigrid_metrics::Reference;
-use evigrid_replay::{read_disparity_png, write_disparity_png};
-use evigrid_stereo::{BlockMatcher, Matching};
-use evigrid_truth::LaserTruth;
+use evigrid_replay::write_disparity_png;
+use evigrid_stereo::Matching;
 
+use crate::ground_truth::GroundTruth;
+use crate::pair_matcher::{PairMatcher, png_name};
 use crate::prefetch::read_ahead;
 use crate::{
     Clock, MethodResult, MethodStep, Observer, Plan, ResultsFolder, RunResult, Scores, StageTime, Step,
@@ -37,7 +37,7 @@ pub fn evaluate(
     })?;
     let result = run.finish(start);
     let maps: Vec<_> = run.mappers.iter().map(|m| m.map()).collect();
-    let truth = run.truth_if_any();
+    let truth = run.truth.if_any();
     let mut files = Vec::new();
     for observer in observers.iter_mut() {
         files.extend(observer.end(&result, &maps, truth)?);
@@ -51,11 +51,9 @@ struct Run<'a> {
     plan: &'a Plan,
     clock: &'a dyn Clock,
     folder: &'a ResultsFolder,
-    matcher: BlockMatcher,
-    recycled: Option<Matching>,
+    matcher: PairMatcher,
     mappers: Vec<Box<dyn Mapper>>,
-    truth: LaserTruth,
-    without_laser: Vec<usize>,
+    truth: GroundTruth,
     /// Stage times of the current frame, and their sums over all frames.
     times: Vec<StageTime>,
     stage_totals: Vec<(&'static str, f64)>,
@@ -69,11 +67,9 @@ impl<'a> Run<'a> {
             plan,
             clock,
             folder,
-            matcher: BlockMatcher::new(config.stereo)?,
-            recycled: None,
+            matcher: PairMatcher::new(config)?,
             mappers: mappers?,
-            truth: LaserTruth::new(plan.info.spec, config.truth)?,
-            without_laser: Vec::new(),
+            truth: GroundTruth::new(plan.info.spec, config.truth)?,
             times: Vec::new(),
             stage_totals: Vec::new(),
         })
@@ -94,24 +90,17 @@ impl<'a> Run<'a> {
         self.add_scan(frame);
         let scores = self.score(frame);
         self.record(position, frame, &matching.matches, &scores, observers)?;
-        self.recycled = Some(matching);
+        self.matcher.recycle(matching);
         Ok(())
     }
 
     /// Computes or reads what all methods share, once.
     fn match_pair(&mut self, frame: &Frame) -> Result<Matching> {
         let start = self.clock.now_ms();
-        let config = &self.plan.info.config;
-        let matching = if config.input.disparity_dir.is_empty() {
-            let keep_volume = self.mappers.iter().any(|m| m.needs_volume());
-            self.matcher
-                .run(frame.left(), frame.right(), keep_volume, self.recycled.take())
-                .with_context(|| format!("frame {}", frame.index()))?
-        } else {
-            read_matching(&config.input.disparity_dir, frame)?
-        };
+        let keep_volume = self.mappers.iter().any(|m| m.needs_volume());
+        let matching = self.matcher.run(frame, keep_volume)?;
         self.time(frame, None, "match", start);
-        if config.output.disparity {
+        if self.plan.info.config.output.disparity {
             let dir = self.folder.dir().join("disparity");
             std::fs::create_dir_all(&dir).with_context(|| format!("cannot write {}", dir.display()))?;
             write_disparity_png(&dir.join(png_name(frame)), &matching.matches.disparity)?;
@@ -136,10 +125,7 @@ impl<'a> Run<'a> {
 
     fn add_scan(&mut self, frame: &Frame) {
         let start = self.clock.now_ms();
-        match frame.laser() {
-            Some(scan) => self.truth.add_scan(scan),
-            None => self.without_laser.push(frame.index()),
-        }
+        self.truth.add(frame);
         self.time(frame, None, "truth", start);
     }
 
@@ -148,7 +134,7 @@ impl<'a> Run<'a> {
         (0..self.mappers.len())
             .map(|i| {
                 let start = self.clock.now_ms();
-                let reference = self.reference();
+                let reference = self.truth.reference();
                 let scores = reference.map(|r| Scores::of(self.mappers[i].map(), &r, tolerances));
                 self.time(frame, Some(i), "score", start);
                 scores
@@ -172,7 +158,7 @@ impl<'a> Run<'a> {
             .zip(scores)
             .map(|((m, method), scores)| MethodStep { method, map: m.map(), scores: scores.as_ref() })
             .collect();
-        let step = Step { position, frame, matches, truth: self.truth_if_any(), methods: &methods };
+        let step = Step { position, frame, matches, truth: self.truth.if_any(), methods: &methods };
         for observer in observers.iter_mut() {
             observer.frame(&step)?;
         }
@@ -196,20 +182,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn truth_if_any(&self) -> Option<&LaserTruth> {
-        (self.truth.scans() > 0).then_some(&self.truth)
-    }
-
-    fn reference(&self) -> Option<Reference<'_>> {
-        self.truth_if_any().map(|truth| Reference {
-            spec: truth.spec(),
-            occupied: truth.occupied(),
-            observed: truth.observed(),
-        })
-    }
-
     fn finish(&self, start: f64) -> RunResult {
-        let reference = self.reference();
+        let reference = self.truth.reference();
         let tolerances = &self.plan.info.config.score.tolerances_m;
         let methods = self.mappers.iter().zip(&self.plan.info.methods);
         let methods = methods
@@ -218,31 +192,9 @@ impl<'a> Run<'a> {
         RunResult {
             methods,
             frames: self.plan.info.frames.len(),
-            without_laser: self.without_laser.clone(),
+            without_laser: self.truth.without_laser().to_vec(),
             wall_ms: self.clock.now_ms() - start,
             stage_totals: self.stage_totals.clone(),
         }
     }
-}
-
-/// A disparity image that comes from elsewhere.
-fn read_matching(dir: &str, frame: &Frame) -> Result<Matching> {
-    let path = std::path::Path::new(dir).join(png_name(frame));
-    let disparity = read_disparity_png(&path)?;
-    let (width, height) = (disparity.width(), disparity.height());
-    if (width, height) != (frame.rig().width, frame.rig().height) {
-        let rig = frame.rig();
-        anyhow::bail!(
-            "disparity image: expected {}x{} like the left image, found {width}x{height}: {}",
-            rig.width,
-            rig.height,
-            path.display()
-        );
-    }
-    Ok(Matching { matches: Matches::from_disparity(disparity), volume: None })
-}
-
-/// Name of a frame's disparity image, as KITTI numbers its files.
-fn png_name(frame: &Frame) -> String {
-    format!("{:010}.png", frame.index())
 }

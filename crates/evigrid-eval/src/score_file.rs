@@ -1,7 +1,6 @@
 use anyhow::{Context, Result};
-use evigrid_metrics::Reference;
-use evigrid_truth::LaserTruth;
 
+use crate::ground_truth::GroundTruth;
 use crate::prefetch::read_ahead;
 use crate::{Clock, MapFile, MethodResult, Plan};
 
@@ -17,23 +16,18 @@ pub fn score_map_file(
     clock: &dyn Clock,
 ) -> Result<(MethodResult, usize, Vec<usize>)> {
     let (grid, outside) = map.onto_grid(&plan.info.spec)?;
-    let mut truth = LaserTruth::new(plan.info.spec, plan.info.config.truth)?;
-    let mut without_laser = Vec::new();
+    let mut truth = GroundTruth::new(plan.info.spec, plan.info.config.truth)?;
     std::thread::scope(|scope| -> Result<()> {
         let frames = read_ahead(scope, plan.sequence.as_ref(), &plan.info.frames, plan.map_from_world, clock);
         for read in frames {
-            let (frame, _) = read?;
-            match frame.laser() {
-                Some(scan) => truth.add_scan(scan),
-                None => without_laser.push(frame.index()),
-            }
+            truth.add(&read?.0);
         }
         Ok(())
     })?;
-    let reference = Reference { spec: truth.spec(), occupied: truth.occupied(), observed: truth.observed() };
-    let reference = (truth.scans() > 0).then_some(&reference).with_context(|| {
+    let reference = truth.reference().with_context(|| {
         format!("{}: expected laser scans to score against, found none", plan.info.dataset)
     })?;
     let tolerances = &plan.info.config.score.tolerances_m;
-    Ok((MethodResult::of(name, &grid, Some(reference), tolerances), outside, without_laser))
+    let result = MethodResult::of(name, &grid, Some(&reference), tolerances);
+    Ok((result, outside, truth.without_laser().to_vec()))
 }

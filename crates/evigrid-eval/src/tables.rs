@@ -78,9 +78,7 @@ impl Tables {
         maps: &[&LogOddsGrid],
         truth: Option<&LaserTruth>,
     ) -> Result<Vec<SealedFile>> {
-        let summary = std::iter::once(summary_header(info))
-            .chain(result.methods.iter().map(|m| summary_row(info, result, m)));
-        write_rows(&mut self.summary, summary)?;
+        write_rows(&mut self.summary, summary_rows(info, result))?;
         for (writer, method) in self.curves.iter_mut().zip(&result.methods) {
             write_rows(writer, curve_rows(method.curve.as_ref()))?;
         }
@@ -101,6 +99,46 @@ impl Tables {
         }
         Ok(files)
     }
+}
+
+/// Writes what is left of a run of one method when it is a point of a sweep: everything but what follows the frames. The
+/// map and the reference are written if they are given.
+///
+/// # Errors
+/// If a file cannot be written.
+pub(crate) fn write_point(
+    folder: &ResultsFolder,
+    info: &RunInfo,
+    result: &RunResult,
+    map: Option<&LogOddsGrid>,
+    truth: Option<&LaserTruth>,
+    build: &serde_json::Value,
+) -> Result<Vec<SealedFile>> {
+    let table = |name: &str, rows: Vec<Vec<String>>| {
+        let mut writer = Writer::from_writer(folder.create(name)?);
+        write_rows(&mut writer, rows)?;
+        seal(writer)
+    };
+    let text = |name: &str, text: &str| {
+        let mut file = folder.create(name)?;
+        write_text(&mut file, text)?;
+        file.seal()
+    };
+    let mut files = Vec::new();
+    for method in &result.methods {
+        let rows = curve_rows(method.curve.as_ref());
+        files.push(table(&format!("curve.{}.csv", method.method), rows)?);
+        if let Some(map) = map {
+            files.push(write_map(folder.create(&format!("map.{}.npz", method.method))?, map)?);
+        }
+    }
+    if let Some(truth) = truth {
+        files.push(write_truth(folder.create("truth.npz")?, truth)?);
+    }
+    files.push(table("summary.csv", summary_rows(info, result))?);
+    files.push(text("config.toml", &info.config.to_toml()?)?);
+    files.push(text("run.json", &run_json(info, result, build)?)?);
+    Ok(files)
 }
 
 impl Observer for TableWriter {
@@ -193,6 +231,11 @@ pub(crate) fn summary_header(info: &RunInfo) -> Vec<String> {
     header.extend(score_columns(info));
     header.extend(["curve_area", "average_precision", "frames_without_laser"].map(str::to_owned));
     header
+}
+
+fn summary_rows(info: &RunInfo, result: &RunResult) -> Vec<Vec<String>> {
+    let rows = result.methods.iter().map(|m| summary_row(info, result, m));
+    std::iter::once(summary_header(info)).chain(rows).collect()
 }
 
 fn summary_row(info: &RunInfo, result: &RunResult, method: &MethodResult) -> Vec<String> {
@@ -321,7 +364,7 @@ pub fn run_json(info: &RunInfo, result: &RunResult, build: &serde_json::Value) -
 
 /// Two runs with the same hash were made under the same conditions: recording, frames and all settings, but not
 /// where the recording lies or what else was written.
-fn settings_hash(info: &RunInfo) -> Result<String> {
+pub(crate) fn settings_hash(info: &RunInfo) -> Result<String> {
     let mut config = info.config.clone();
     config.run.dataset.clone_from(&info.dataset);
     config.output = OutputSettings::default();
@@ -336,7 +379,10 @@ fn fnv1a(bytes: &[u8]) -> u64 {
         .fold(0xcbf2_9ce4_8422_2325, |hash, &b| (hash ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-fn write_rows(writer: &mut Writer<PendingFile>, rows: impl IntoIterator<Item = Vec<String>>) -> Result<()> {
+pub(crate) fn write_rows(
+    writer: &mut Writer<PendingFile>,
+    rows: impl IntoIterator<Item = Vec<String>>,
+) -> Result<()> {
     let failed = writer.get_ref().failed();
     for row in rows {
         writer.write_record(row).with_context(|| failed.clone())?;
@@ -344,11 +390,11 @@ fn write_rows(writer: &mut Writer<PendingFile>, rows: impl IntoIterator<Item = V
     writer.flush().context(failed)
 }
 
-fn write_text(file: &mut PendingFile, text: &str) -> Result<()> {
+pub(crate) fn write_text(file: &mut PendingFile, text: &str) -> Result<()> {
     file.write_all(text.as_bytes()).with_context(|| file.failed())
 }
 
-fn seal(writer: Writer<PendingFile>) -> Result<SealedFile> {
+pub(crate) fn seal(writer: Writer<PendingFile>) -> Result<SealedFile> {
     let failed = writer.get_ref().failed();
     writer.into_inner().map_err(|e| anyhow::anyhow!("{}", e.error())).context(failed)?.seal()
 }

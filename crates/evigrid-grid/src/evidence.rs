@@ -32,7 +32,7 @@ impl FrameEvidence {
     }
 
     /// The log-odds of a key: the inverse of [`Self::key`].
-    fn log_odds(key: i32) -> f32 {
+    pub(crate) fn log_odds(key: i32) -> f32 {
         f32::from_bits((key ^ (((key >> 31) as u32) >> 1) as i32) as u32)
     }
 
@@ -67,8 +67,7 @@ impl FrameEvidence {
                 let key = *slot.get_mut();
                 if key != NONE {
                     *slot.get_mut() = NONE;
-                    let before = if value.is_nan() { 0.0 } else { *value };
-                    *value = (before + Self::log_odds(key)).clamp(clamp.min, clamp.max);
+                    *value = clamp.add(*value, Self::log_odds(key));
                 }
             }
         });

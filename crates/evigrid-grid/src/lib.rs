@@ -4,11 +4,13 @@
 mod evidence;
 mod log_odds;
 mod mapper;
+mod nested;
 mod ray_walk;
 mod spec;
 
 pub use evidence::FrameEvidence;
 pub use log_odds::{Belief, Clamp, LogOddsGrid, logit, probability};
-pub use mapper::{Mapper, View};
+pub use mapper::{Mapper, MapperFamily, View};
+pub use nested::{NestedEvidence, NestedMaps};
 pub use ray_walk::RayWalk;
 pub use spec::{GridError, GridSettings, GridSpec, cell_index};

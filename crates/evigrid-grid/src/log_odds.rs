@@ -38,6 +38,16 @@ pub struct Clamp {
     pub max: f32,
 }
 
+impl Clamp {
+    /// What a cell's log-odds are after one more piece of evidence. A cell that was never touched (NaN) is at the prior
+    /// 0.5, log-odds 0.
+    #[inline]
+    pub(crate) fn add(&self, before: f32, evidence: f32) -> f32 {
+        let before = if before.is_nan() { 0.0 } else { before };
+        (before + evidence).clamp(self.min, self.max)
+    }
+}
+
 /// An occupancy grid of log-odds. A cell that no measurement has touched is NaN, which is not the same as 0
 /// ("measured, undecided").
 #[derive(Debug, Clone)]

@@ -1,0 +1,96 @@
+//! Sweeps: a grid of settings x methods x data sets. The points of one recording share one pass over its frames: each
+//! frame is read once, matched once per setting of the matcher, and added once to every reference; maps that differ in
+//! nothing but the peak ratio share the drawing too. What a point finds is the same to the last byte as what a run of
+//! its settings finds. docs/sweep.md has the plan's format and the files.
+
+mod axis;
+mod curve_plot;
+mod outcome;
+mod pass;
+mod plan;
+mod plan_file;
+mod point;
+mod point_folder;
+mod report;
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+use crate::{Clock, ResultsFolder};
+use outcome::Outcome;
+use pass::{run_pass, split_into_passes};
+use point_folder::PointFolders;
+use report::Report;
+
+pub use plan::{Sweep, SweepPlan};
+
+/// How far a sweep is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SweepStep<'a> {
+    /// What an earlier sweep that did not finish left behind has been removed: files of these names.
+    LeftOver(&'a [String]),
+    /// So many of all points are there already.
+    Kept {
+        /// Points that need not be computed.
+        kept: usize,
+        /// All points.
+        total: usize,
+    },
+    /// A pass over a recording begins.
+    Pass {
+        /// Name of the recording.
+        dataset: &'a str,
+        /// Points that are computed in it.
+        points: usize,
+        /// Frames of it.
+        frames: usize,
+    },
+    /// So many frames of the pass are done.
+    Frame(usize),
+}
+
+/// Computes all points of a sweep that the folder `out` does not hold yet, then writes tables and curves of all.
+///
+/// `build` goes into each point's run.json. A point is kept if it has the same settings hash, and the same version and
+/// commit in `build`.
+///
+/// # Errors
+/// If a frame cannot be read or a file cannot be written. The points that were complete by then are kept.
+pub fn run_sweep(
+    sweep: &Sweep,
+    out: &Path,
+    build: &serde_json::Value,
+    clock: &dyn Clock,
+    progress: &mut dyn FnMut(SweepStep<'_>),
+) -> Result<()> {
+    let (folder, left_over) = ResultsFolder::open_sweep(out)?;
+    if !left_over.is_empty() {
+        progress(SweepStep::LeftOver(&left_over));
+    }
+    let report = Report::create(&folder, sweep)?;
+    let folders = PointFolders { dir: out.join("points"), build, maps: sweep.plan.maps };
+    let total = sweep.points().count();
+    let kept = sweep.points().filter(|p| folders.read(p).is_some()).count();
+    progress(SweepStep::Kept { kept, total });
+    for data in &sweep.recordings {
+        let missing = data.points.iter().filter(|p| folders.read(p).is_none()).collect();
+        for points in split_into_passes(missing) {
+            let info = &points[0].info;
+            let (dataset, frames) = (info.dataset.as_str(), info.frames.len());
+            progress(SweepStep::Pass { dataset, points: points.len(), frames });
+            let write = |result: &pass::PointResult<'_>| folders.write(result);
+            run_pass(data.sequence.as_ref(), &points, clock, &write, &mut |done| {
+                progress(SweepStep::Frame(done));
+            })?;
+        }
+    }
+    let outcomes: Result<Vec<Outcome<'_>>> = sweep
+        .points()
+        .map(|point| {
+            let failed = || format!("cannot read {} again", folders.path(point).display());
+            folders.read(point).with_context(failed)
+        })
+        .collect();
+    folder.publish(report.finish(sweep, &outcomes?)?)
+}
