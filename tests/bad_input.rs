@@ -113,6 +113,9 @@ fn wrong_arguments() {
     refused(&["--set", "stereo.windw=7"], &["stereo.windw", "did you mean `stereo.window`?"]);
     refused(&["--set", "stereo.window=8"], &["stereo.window", "odd", "found 8"]);
     refused(&["--set", "winner-take-all.peak_ratio=0"], &["winner-take-all.peak_ratio", "found 0"]);
+    refused(&["--set", "cost-curve.variance_factor=0"], &["cost-curve.variance_factor", "found 0"]);
+    let from_elsewhere = ["--method", "cost-curve", "--set", "input.disparity_dir=elsewhere"];
+    refused(&from_elsewhere, &["input.disparity_dir", "`cost-curve`", "found `elsewhere`"]);
     refused(&["--set", "grid.cell_size_m=-1"], &["grid.cell_size_m", "found -1"]);
     refused(&["--set", "grid.cell_size_m=0.00001"], &["grid", "GiB"]);
     refused(&["--set", "truth.max_range_m=0"], &["truth.max_range_m", "found 0"]);

@@ -2,8 +2,10 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use evigrid_core::{Disparity, GrayImage, Matches, Pose, StereoRig};
-use evigrid_cost_curve::{WinnerTakeAll, WinnerTakeAllSettings};
+use evigrid_core::{CostVolume, Disparity, GrayImage, Matches, NO_COST, Pose, StereoRig};
+use evigrid_cost_curve::{
+    CostCurve, CostCurveSettings, CostScale, CostUnit, WinnerTakeAll, WinnerTakeAllSettings,
+};
 use evigrid_grid::{GridSettings, GridSpec, Mapper, View};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
@@ -57,6 +59,70 @@ fn pose() -> Pose {
     )
 }
 
+/// Costs that rise on both sides of the disparity as SAD of 7x7 windows does, under noise; every tenth column has a
+/// second, nearly as good match. No cost where the windows do not fit into both images.
+fn costs(rig: &StereoRig, matches: &Matches, disparities: usize) -> CostVolume {
+    let mut costs = Vec::with_capacity(rig.width * rig.height * disparities);
+    for y in 0..rig.height {
+        let inside = (3..rig.height - 3).contains(&y);
+        for d in 0..disparities {
+            for x in 0..rig.width {
+                let pixel = y * rig.width + x;
+                let off = |centre: f64| (d as f64 - centre).abs();
+                let winner = f64::from(matches.disparity.values()[pixel]);
+                let second = if x % 10 == 0 { off(winner * 0.5) } else { 99.0 };
+                let cost = 200.0
+                    + 120.0 * off(winner).min(second).min(6.0)
+                    + noise(pixel * disparities + d, 5) * 0.4;
+                let fits = inside && x >= d + 3 && x + 3 < rig.width;
+                costs.push(if fits { cost as u16 } else { NO_COST });
+            }
+        }
+    }
+    CostVolume::new(rig.width, rig.height, 0, disparities, costs).unwrap()
+}
+
+/// Images whose differences at the winners vary by about 100 grey levels^2.
+fn images(rig: &StereoRig) -> [GrayImage; 2] {
+    [6, 7].map(|salt| {
+        let pixels = (0..rig.width * rig.height).map(|p| 100 + (noise(p, salt) * 0.0245) as u8).collect();
+        GrayImage::new(rig.width, rig.height, pixels).unwrap()
+    })
+}
+
+fn bench_cost_curve(c: &mut Criterion) {
+    let mut group = c.benchmark_group("cost_curve");
+    group.sample_size(20);
+    let rig = |width, height, focal_px, baseline_m| {
+        let (centre_x_px, centre_y_px) = (width as f64 * 0.49, height as f64 * 0.46);
+        StereoRig { width, height, focal_px, centre_x_px, centre_y_px, baseline_m }
+    };
+    let rigs = [
+        ("kitti_1242x375_128", rig(1242, 375, 721.5, 0.537), 128),
+        ("vga_640x480_64", rig(640, 480, 500.0, 0.3), 64),
+        ("qvga_320x240_32", rig(320, 240, 250.0, 0.3), 32),
+    ];
+    for (name, rig, disparities) in rigs {
+        let matches = road(&rig);
+        let volume = costs(&rig, &matches, disparities);
+        let [left, right] = images(&rig);
+        let units = [("", CostUnit::GreyLevels), ("/homogeneous", CostUnit::Homogeneous)];
+        for ((unit_name, cost_unit), threads) in units.iter().flat_map(|u| [1, 2].map(|t| (u, t))) {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let spec = GridSpec::new(&GridSettings::default()).unwrap();
+            let settings = CostCurveSettings { cost_unit: *cost_unit, ..CostCurveSettings::default() };
+            let scale = CostScale { window_pixels: 49.0, grey_levels: 1.0 };
+            let mut mapper = CostCurve::new(spec, settings, scale).unwrap();
+            let (rig, volume) = (&rig, Some(&volume));
+            let view =
+                View { rig, map_from_left: &pose(), left: &left, right: &right, matches: &matches, volume };
+            group.bench_function(format!("{name}{unit_name}/{threads}"), |b| {
+                b.iter(|| pool.install(|| mapper.integrate(&view)));
+            });
+        }
+    }
+}
+
 fn bench(c: &mut Criterion) {
     let mut group = c.benchmark_group("integrate");
     let rig = |width, height, focal_px, baseline_m| {
@@ -71,8 +137,14 @@ fn bench(c: &mut Criterion) {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let spec = GridSpec::new(&GridSettings::default()).unwrap();
             let mut mapper = WinnerTakeAll::new(spec, WinnerTakeAllSettings::default()).unwrap();
-            let view =
-                View { rig: &rig, map_from_left: &pose(), left: &left, matches: &matches, volume: None };
+            let view = View {
+                rig: &rig,
+                map_from_left: &pose(),
+                left: &left,
+                right: &left,
+                matches: &matches,
+                volume: None,
+            };
             group.bench_function(format!("{name}/{threads}"), |b| {
                 b.iter(|| pool.install(|| mapper.integrate(&view)));
             });
@@ -80,5 +152,5 @@ fn bench(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, bench);
+criterion_group!(benches, bench, bench_cost_curve);
 criterion_main!(benches);

@@ -2,6 +2,8 @@ use evigrid_grid::{Clamp, logit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::SettingError;
+
 /// What the width of the Gaussian around the winner does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -53,15 +55,6 @@ impl Default for WinnerTakeAllSettings {
     }
 }
 
-/// A setting outside its domain.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("winner-take-all.{key}: expected {expected}, found {found}")]
-pub struct SettingError {
-    key: &'static str,
-    expected: &'static str,
-    found: String,
-}
-
 impl WinnerTakeAllSettings {
     /// The same settings, once they are known to be possible.
     ///
@@ -69,8 +62,8 @@ impl WinnerTakeAllSettings {
     /// If the peak ratio is below 1, a length, error or variance is not positive, or the bounds do not enclose 0.
     pub fn checked(self) -> Result<Self, SettingError> {
         let positive = |v: f64| v.is_finite() && v > 0.0;
-        let require = |ok: bool, key, expected, found: String| {
-            if ok { Ok(()) } else { Err(SettingError { key, expected, found }) }
+        let require = |ok, key, expected, found: String| {
+            crate::error::require("winner-take-all", ok, key, expected, found)
         };
         let ratio = self.peak_ratio;
         require(ratio.is_finite() && ratio >= 1.0, "peak_ratio", "a number from 1", ratio.to_string())?;

@@ -12,7 +12,15 @@ use proptest::prelude::*;
 fn integrate_all(family: &mut PeakRatios, shot: &Shot) {
     let left = GrayImage::new(RIG.width, RIG.height, vec![0; RIG.width * RIG.height]).unwrap();
     let matches = &shot.matches;
-    family.integrate(&View { rig: &RIG, map_from_left: &shot.pose, left: &left, matches, volume: None });
+    let pose = &shot.pose;
+    family.integrate(&View {
+        rig: &RIG,
+        map_from_left: pose,
+        left: &left,
+        right: &left,
+        matches,
+        volume: None,
+    });
 }
 
 fn bits(map: &LogOddsGrid) -> Vec<u32> {

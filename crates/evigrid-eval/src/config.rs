@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use evigrid_core::name_hint;
-use evigrid_cost_curve::WinnerTakeAllSettings;
+use evigrid_cost_curve::{CostCurveSettings, WinnerTakeAllSettings};
 use evigrid_grid::GridSettings;
 use evigrid_stereo::BlockMatchingSettings;
 use evigrid_truth::TruthSettings;
@@ -30,6 +30,9 @@ pub struct Config {
     /// Method `winner-take-all`.
     #[serde(rename = "winner-take-all")]
     pub winner_take_all: WinnerTakeAllSettings,
+    /// Method `cost-curve`.
+    #[serde(rename = "cost-curve")]
+    pub cost_curve: CostCurveSettings,
 }
 
 /// What is run on what.

@@ -1,5 +1,5 @@
 use anyhow::Result;
-use evigrid_cost_curve::{PeakRatios, WinnerTakeAll, WinnerTakeAllSettings};
+use evigrid_cost_curve::{CostCurve, CostScale, PeakRatios, WinnerTakeAll, WinnerTakeAllSettings};
 use evigrid_grid::{GridSpec, Mapper, MapperFamily};
 
 use crate::{Config, RunInfo};
@@ -9,16 +9,19 @@ use crate::{Config, RunInfo};
 pub enum Method {
     /// Brandao et al.'s baseline.
     WinnerTakeAll,
+    /// Brandao et al.
+    CostCurve,
 }
 
 impl Method {
     /// All methods, in the order in which they are listed.
-    pub const ALL: [Self; 1] = [Self::WinnerTakeAll];
+    pub const ALL: [Self; 2] = [Self::WinnerTakeAll, Self::CostCurve];
 
     /// The name on the command line, in tables and as the section of its settings.
     pub fn name(self) -> &'static str {
         match self {
             Self::WinnerTakeAll => "winner-take-all",
+            Self::CostCurve => "cost-curve",
         }
     }
 
@@ -28,6 +31,9 @@ impl Method {
             Self::WinnerTakeAll => {
                 "Elfes' inverse model with a Gaussian around the best match of each pixel: the baseline of Brandao et al."
             }
+            Self::CostCurve => {
+                "the matching costs of all disparities of each pixel as evidence: Brandao et al."
+            }
         }
     }
 
@@ -35,7 +41,15 @@ impl Method {
     pub fn needs(self) -> &'static str {
         match self {
             Self::WinnerTakeAll => "stereo pairs, calibration and poses",
+            Self::CostCurve => {
+                "stereo pairs, calibration and poses; matching costs, so no disparities from elsewhere"
+            }
         }
+    }
+
+    /// Whether it needs matching costs, which disparities from elsewhere have not.
+    pub fn needs_costs(self) -> bool {
+        matches!(self, Self::CostCurve)
     }
 
     /// The method with this name.
@@ -50,6 +64,13 @@ impl Method {
     pub fn build(self, spec: GridSpec, config: &Config) -> Result<Box<dyn Mapper>> {
         Ok(match self {
             Self::WinnerTakeAll => Box::new(WinnerTakeAll::new(spec, config.winner_take_all)?),
+            Self::CostCurve => {
+                let scale = CostScale {
+                    window_pixels: (config.stereo.window * config.stereo.window) as f64,
+                    grey_levels: f64::from(1_u32 << config.stereo.cost_shift()),
+                };
+                Box::new(CostCurve::new(spec, config.cost_curve, scale)?)
+            }
         })
     }
 }
@@ -85,12 +106,9 @@ impl Family {
         if group.len() == 1 {
             return Ok(Self { members, mapper: Box::new(method.build(info.spec, &info.config)?) });
         }
+        // Only winner-take-all shares its drawing.
         let ratios: Vec<f64> = group.iter().map(|(_, _, i)| i.config.winner_take_all.peak_ratio).collect();
-        let mapper: Box<dyn MapperFamily> = match method {
-            Method::WinnerTakeAll => {
-                Box::new(PeakRatios::new(info.spec, info.config.winner_take_all, &ratios)?)
-            }
-        };
+        let mapper = Box::new(PeakRatios::new(info.spec, info.config.winner_take_all, &ratios)?);
         Ok(Self { members, mapper })
     }
 }
@@ -104,5 +122,6 @@ fn share_drawing(a: &(usize, Method, &RunInfo), b: &(usize, Method, &RunInfo)) -
     a.1 == b.1
         && match a.1 {
             Method::WinnerTakeAll => a.2.spec == b.2.spec && settings(a.2) == settings(b.2),
+            Method::CostCurve => false,
         }
 }

@@ -47,6 +47,14 @@ pub(crate) fn check_settings(config: &Config) -> Result<Vec<Method>> {
     config.stereo.checked()?;
     config.truth.checked()?;
     config.winner_take_all.checked()?;
+    config.cost_curve.checked()?;
+    let elsewhere = &config.input.disparity_dir;
+    if let Some(method) = methods.iter().find(|m| m.needs_costs() && !elsewhere.is_empty()) {
+        let name = method.name();
+        bail!(
+            "input.disparity_dir: expected none for `{name}`, which needs matching costs, found `{elsewhere}`"
+        );
+    }
     check_tolerances(&config.score.tolerances_m, config.grid.cell_size_m)?;
     Ok(methods)
 }

@@ -113,6 +113,7 @@ impl<'a> Run<'a> {
             rig: frame.rig(),
             map_from_left: frame.map_from_left(),
             left: frame.left(),
+            right: frame.right(),
             matches: &matching.matches,
             volume: matching.volume.as_ref(),
         };

@@ -5,6 +5,7 @@ mod evidence;
 mod log_odds;
 mod mapper;
 mod nested;
+mod ray_batch;
 mod ray_walk;
 mod spec;
 
@@ -12,5 +13,6 @@ pub use evidence::FrameEvidence;
 pub use log_odds::{Belief, Clamp, LogOddsGrid, logit, probability};
 pub use mapper::{Mapper, MapperFamily, View};
 pub use nested::{NestedEvidence, NestedMaps};
+pub use ray_batch::RayBatch;
 pub use ray_walk::RayWalk;
 pub use spec::{GridError, GridSettings, GridSpec, cell_index};

@@ -13,6 +13,8 @@ pub struct View<'a> {
     pub map_from_left: &'a Pose,
     /// The left image.
     pub left: &'a GrayImage,
+    /// The right image, of the same size.
+    pub right: &'a GrayImage,
     /// What the matcher says of every pixel, unfiltered.
     pub matches: &'a Matches,
     /// The whole cost volume, if any method of the run needs it.

@@ -7,22 +7,24 @@ use crate::{GridSpec, cell_index};
 /// number of steps to the segment's last cell, so that a profile that is anchored there needs no special case.
 #[derive(Debug, Clone)]
 pub struct RayWalk {
-    flat: isize,
+    pub(crate) flat: isize,
     /// Cells still to visit within the grid.
-    left_in_grid: u32,
+    pub(crate) left_in_grid: u32,
     /// Steps from the current cell to the one that steps are counted to.
     steps_to_goal: i32,
-    axes: [Axis; 3],
+    /// Parameters at which the segment enters the grid and leaves it.
+    pub(crate) within: [f64; 2],
+    pub(crate) axes: [Axis; 3],
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-struct Axis {
+pub(crate) struct Axis {
     /// Parameter (0 = start, 1 = end of the segment) at which the next face is crossed.
-    next_face: f64,
+    pub(crate) next_face: f64,
     /// Parameter between two faces.
-    face_spacing: f64,
+    pub(crate) face_spacing: f64,
     /// Signed change of the flat index.
-    stride: isize,
+    pub(crate) stride: isize,
 }
 
 impl RayWalk {
@@ -49,14 +51,14 @@ impl RayWalk {
             return Self::empty();
         }
         let inverse = direction.map(f64::recip);
-        let (first, last, leave) = if within(shape, start_cell) && within(shape, end_cell) {
-            (start_cell, end_cell, 1.0)
+        let (first, last, enter, leave) = if within(shape, start_cell) && within(shape, end_cell) {
+            (start_cell, end_cell, 0.0, 1.0)
         } else {
             let Some((enter, leave)) = clip(shape, from, direction) else { return Self::empty() };
             let cell_at = |a: usize, t: f64| cell_index(from[a] + t * direction[a]);
             let first = std::array::from_fn(|a| if enter > 0.0 { cell_at(a, enter) } else { start_cell[a] });
             let last = std::array::from_fn(|a| if leave < 1.0 { cell_at(a, leave) } else { end_cell[a] });
-            (clamp(shape, first), clamp(shape, last), leave)
+            (clamp(shape, first), clamp(shape, last), enter, leave)
         };
         let (mut flat, mut steps_to_goal, mut faces_in_grid) = (0, 0_i64, 0);
         let strides = spec.strides();
@@ -81,17 +83,32 @@ impl RayWalk {
             faces_in_grid += faces;
         }
         let steps_to_goal = steps_to_goal.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
-        Self { flat, left_in_grid: faces_in_grid + 1, steps_to_goal, axes }
+        Self { flat, left_in_grid: faces_in_grid + 1, steps_to_goal, within: [enter, leave], axes }
     }
 
     fn empty() -> Self {
-        Self { flat: 0, left_in_grid: 0, steps_to_goal: 0, axes: [Axis::default(); 3] }
+        Self { flat: 0, left_in_grid: 0, steps_to_goal: 0, within: [0.0; 2], axes: [Axis::default(); 3] }
     }
 
     /// Steps from the cell that comes next to the segment's last cell, or to the goal.
     #[inline]
     pub fn steps(&self) -> i32 {
         self.steps_to_goal
+    }
+
+    /// Parameter (0 = start, 1 = end of the segment) at which the segment enters the grid; 0 if it begins within.
+    #[inline]
+    pub fn enter(&self) -> f64 {
+        self.within[0]
+    }
+
+    /// Parameter at which the segment leaves the cell that comes next, or ends in it.
+    #[inline(always)]
+    pub fn leave(&self) -> f64 {
+        // The last cell has no next face in the grid.
+        let [x, y, z] = [0, 1, 2].map(|a| self.axes[a].next_face);
+        let min = |a: f64, b: f64| if a < b { a } else { b };
+        min(min(x, y), min(z, self.within[1]))
     }
 
     /// Crosses the nearest face; ties go to the first axis. Which face comes next is as good as random, so there is
@@ -238,6 +255,7 @@ mod tests {
             prop_assert_eq!(moved, 1, "from {:?} to {:?}", pair[0], pair[1]);
             prop_assert_eq!(steps[0].1 - steps[1].1, 1);
         }
+        check_parameters(&spec, from, to)?;
         let inside = |p: [f64; 3]| spec.flat(p.map(|v| v.floor() as i64));
         if let Some(end) = inside(to) {
             prop_assert_eq!(walk.last().copied(), Some((end, 0)));
@@ -246,6 +264,23 @@ mod tests {
             prop_assert_eq!(walk.first().map(|w| w.0), Some(start));
         }
         Ok(())
+    }
+
+    /// Every cell holds the middle between where it is entered and where it is left.
+    fn check_parameters(spec: &GridSpec, from: [f64; 3], to: [f64; 3]) -> Result<(), TestCaseError> {
+        let mut walk = RayWalk::in_cells(spec, from, to);
+        let mut enter = walk.enter();
+        loop {
+            let leave = walk.leave();
+            let Some((cell, _)) = walk.next() else { return Ok(()) };
+            let middle: [f64; 3] =
+                std::array::from_fn(|a| from[a] + (to[a] - from[a]) * 0.5 * (enter + leave));
+            let cell = spec.voxel(cell).map(|v| v as f64);
+            let within = |a: usize| (cell[a] - 1e-8..cell[a] + 1.0 + 1e-8).contains(&middle[a]);
+            prop_assert!((0..3).all(within), "{cell:?} holds no {middle:?}");
+            prop_assert!(leave > enter - 1e-9);
+            enter = leave;
+        }
     }
 
     fn anywhere() -> impl Strategy<Value = [f64; 3]> {

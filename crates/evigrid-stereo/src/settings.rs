@@ -49,7 +49,7 @@ impl BlockMatchingSettings {
 
     /// Costs are stored as u16. The sum over a window of up to 15x15 fits; that over a larger one is stored divided
     /// by the smallest power of two that makes it fit. This is the exponent.
-    pub(crate) fn cost_shift(&self) -> u32 {
+    pub fn cost_shift(&self) -> u32 {
         let largest = 255 * self.window * self.window;
         (0..32).find(|&s| (largest >> s) < usize::from(u16::MAX)).unwrap_or(31)
     }

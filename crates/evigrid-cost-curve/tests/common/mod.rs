@@ -41,6 +41,7 @@ pub fn integrate(mapper: &mut impl Mapper, shot: &Shot) {
         rig: &RIG,
         map_from_left: &shot.pose,
         left: &left,
+        right: &left,
         matches: &shot.matches,
         volume: None,
     });

@@ -172,6 +172,7 @@ impl Matcher {
             rig: frame.rig(),
             map_from_left: frame.map_from_left(),
             left: frame.left(),
+            right: frame.right(),
             matches: &matching.matches,
             volume: matching.volume.as_ref(),
         };

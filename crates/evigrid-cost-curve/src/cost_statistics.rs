@@ -1,0 +1,136 @@
+//! What eqs 6 and 7 need to know of a whole stereo pair.
+
+use evigrid_core::{CostVolume, Disparity, GrayImage, NO_COST};
+use rayon::prelude::*;
+
+/// The least variance of a difference of two grey values, grey levels^2: rounding either to a whole level has a variance
+/// of 1/12. Eq. 7 divides by the variance, which identical images would make 0.
+pub const PIXEL_VARIANCE_FLOOR: f64 = 1.0 / 6.0;
+/// The least variance of the costs of free space, in units of the volume^2: that of rounding to whole numbers.
+const COST_VARIANCE_FLOOR: f64 = 1.0 / 12.0;
+
+/// What the numbers of a cost volume stand for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CostScale {
+    /// Pixels over which absolute differences are summed (49 for a window of 7 x 7).
+    pub window_pixels: f64,
+    /// Grey levels per unit of the volume (1, unless a large window's sums are stored divided).
+    pub grey_levels: f64,
+}
+
+/// Mean and variance of the costs that are measured where space is free.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeSpaceCosts {
+    /// Mean, in units of the volume.
+    pub mean: f64,
+    /// Variance, in units of the volume^2.
+    pub variance: f64,
+}
+
+/// The winning hypothesis of a pixel, whole pixels, from its disparity with sub-pixel part; `None` without a winner. Of
+/// two equally good neighbours, between which the sub-pixel part is one half, the smaller won.
+#[inline]
+pub(crate) fn winner(disparity: f32) -> Option<usize> {
+    (!disparity.is_nan()).then(|| (disparity - 0.5).ceil().max(0.0) as usize)
+}
+
+/// sigma^2 of a stereo pair (eq. 10), grey levels^2: the variance of I2(x, y) - I1(x + d', y) over all pixels with a
+/// winner d', where I1 is the left image; no less than [`PIXEL_VARIANCE_FLOOR`]. The printed sum is taken as a mean, as
+/// the text says: "variance".
+pub fn pixel_variance(left: &GrayImage, right: &GrayImage, winners: &Disparity) -> f64 {
+    let row_sums = |y: usize| {
+        let (left, right) = (left.row(y), right.row(y));
+        let mut sums = Sums::default();
+        for (x, d) in winners.row(y).iter().enumerate() {
+            // A winner's window lies in both images; a disparity from elsewhere may point out of the right one.
+            if let Some(facing) = winner(*d).and_then(|d| x.checked_sub(d)) {
+                sums.add(i64::from(right[facing]) - i64::from(left[x]));
+            }
+        }
+        sums
+    };
+    let sums = (0..winners.height()).into_par_iter().map(row_sums).reduce(Sums::default, Sums::plus);
+    sums.mean_and_variance().map_or(PIXEL_VARIANCE_FLOOR, |(_, variance)| variance.max(PIXEL_VARIANCE_FLOOR))
+}
+
+/// The costs of visible free space (section III-C, Fig. 3): those of all hypotheses nearer than the pixel's winner, in
+/// which the true disparity is unknown. `None` if there are none.
+pub fn free_space_costs(volume: &CostVolume, winners: &Disparity) -> Option<FreeSpaceCosts> {
+    let row_sums = |y: usize| {
+        let mut sums = Sums::default();
+        for (index, costs) in volume.row(y).chunks_exact(volume.width()).enumerate() {
+            let d = volume.min_disparity() + index;
+            for (&cost, &disparity) in costs.iter().zip(winners.row(y)) {
+                let nearer = winner(disparity).is_some_and(|winner| d > winner);
+                if nearer && cost != NO_COST {
+                    sums.add(i64::from(cost));
+                }
+            }
+        }
+        sums
+    };
+    let sums = (0..volume.height()).into_par_iter().map(row_sums).reduce(Sums::default, Sums::plus);
+    let (mean, variance) = sums.mean_and_variance()?;
+    Some(FreeSpaceCosts { mean, variance: variance.max(COST_VARIANCE_FLOOR) })
+}
+
+/// Sums of whole numbers, which do not depend on the order.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    count: u64,
+    sum: i64,
+    squares: u64,
+}
+
+impl Sums {
+    #[inline(always)]
+    fn add(&mut self, value: i64) {
+        self.count += 1;
+        self.sum += value;
+        self.squares += (value * value) as u64;
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            sum: self.sum + other.sum,
+            squares: self.squares + other.squares,
+        }
+    }
+
+    fn mean_and_variance(self) -> Option<(f64, f64)> {
+        let n = self.count as f64;
+        let mean = self.sum as f64 / n;
+        (self.count > 0).then(|| (mean, (self.squares as f64 / n - mean * mean).max(0.0)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn variance_of_the_winners_differences_by_hand() {
+        let image = |pixels: &[u8]| GrayImage::new(4, 1, pixels.to_vec()).unwrap();
+        let (left, right) = (image(&[10, 20, 30, 40]), image(&[22, 33, 40, 50]));
+        let of = |d: [f32; 4]| pixel_variance(&left, &right, &Disparity::new(4, 1, d.to_vec()).unwrap());
+        let none = f32::NAN;
+        // right[0] - left[1] = 2, right[1] - left[2] = 3 (1.5 is a tie that 1 has won), right[3] - left[3] = 10.
+        assert!((of([none, 0.8, 1.5, 0.0]) - (113.0 / 3.0 - 25.0)).abs() < 1e-12);
+        // One pixel has no variance, none has no mean, and x - d outside the image is no difference.
+        for d in [[none, 0.8, none, none], [none; 4], [3.0, 3.0, 3.0, none]] {
+            assert_eq!(of(d), PIXEL_VARIANCE_FLOOR);
+        }
+    }
+
+    #[test]
+    fn free_space_is_nearer_than_the_winner() {
+        // Hypotheses 1, 2, 3 of two pixels.
+        let volume = CostVolume::new(2, 1, 1, 3, vec![5, 9, 100, 9, NO_COST, 30]).unwrap();
+        let of = |d: [f32; 2]| free_space_costs(&volume, &Disparity::new(2, 1, d.to_vec()).unwrap());
+        assert_eq!(of([1.0, 1.5]).unwrap().mean, (100.0 + 9.0 + 30.0) / 3.0);
+        assert_eq!(of([1.3, f32::NAN]), Some(FreeSpaceCosts { mean: 100.0, variance: 1.0 / 12.0 }));
+        assert_eq!(of([3.0, f32::NAN]), None);
+    }
+}
