@@ -134,7 +134,8 @@ pub struct CheckArgs {
 
 #[derive(Debug, clap::Args)]
 pub struct ReproduceArgs {
-    /// What to make: GROUP or GROUP/ITEM; `worlds` is the table and the pictures of docs/synthetic.md [default: all].
+    /// What to make: GROUP or GROUP/ITEM; `worlds` is the table and the pictures of docs/synthetic.md, `worlds/NAME` and
+    /// `worlds/FILE.toml` are those of one world [default: all].
     #[arg(value_name = "GROUP[/ITEM]")]
     pub names: Vec<String>,
     /// Folder below which the data sets lie [default: $EVIGRID_DATA, else data].

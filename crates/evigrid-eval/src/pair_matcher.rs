@@ -1,5 +1,6 @@
 use anyhow::{Context, Result};
 use evigrid_core::{Frame, Matches};
+use evigrid_grid::View;
 use evigrid_replay::read_disparity_png;
 use evigrid_stereo::{BlockMatcher, Matching};
 
@@ -34,6 +35,18 @@ impl PairMatcher {
     /// Gives the buffers of a frame that is done back, so that the next one can fill them.
     pub fn recycle(&mut self, matching: Matching) {
         self.recycled = Some(matching);
+    }
+}
+
+/// What mapping methods see of a frame.
+pub(crate) fn view<'a>(frame: &'a Frame, matching: &'a Matching) -> View<'a> {
+    View {
+        rig: frame.rig(),
+        map_from_left: frame.map_from_left(),
+        left: frame.left(),
+        right: frame.right(),
+        matches: &matching.matches,
+        volume: matching.volume.as_ref(),
     }
 }
 

@@ -1,11 +1,11 @@
 use anyhow::{Context, Result};
 use evigrid_core::{Frame, Matches};
-use evigrid_grid::{Mapper, View};
+use evigrid_grid::Mapper;
 use evigrid_replay::write_disparity_png;
 use evigrid_stereo::Matching;
 
 use crate::ground_truth::GroundTruth;
-use crate::pair_matcher::{PairMatcher, png_name};
+use crate::pair_matcher::{PairMatcher, png_name, view};
 use crate::prefetch::read_ahead;
 use crate::{
     Clock, MethodResult, MethodStep, Observer, Plan, ResultsFolder, RunResult, Scores, StageTime, Step,
@@ -109,14 +109,7 @@ impl<'a> Run<'a> {
     }
 
     fn integrate(&mut self, frame: &Frame, matching: &Matching) {
-        let view = View {
-            rig: frame.rig(),
-            map_from_left: frame.map_from_left(),
-            left: frame.left(),
-            right: frame.right(),
-            matches: &matching.matches,
-            volume: matching.volume.as_ref(),
-        };
+        let view = view(frame, matching);
         for i in 0..self.mappers.len() {
             let start = self.clock.now_ms();
             self.mappers[i].integrate(&view);

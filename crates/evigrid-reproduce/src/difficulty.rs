@@ -21,12 +21,15 @@ pub struct Difficulty {
 impl Difficulty {
     /// Adds what was matched in a frame.
     pub fn add(&mut self, matched: &Disparity, truth: &Disparity) -> Result<()> {
+        let mut compared = 0;
         self.pixels += matched.values().len();
         self.valid += matched.valid_count();
         for (wrong, tolerance_px) in self.wrong.iter_mut().zip(TOLERANCES_PX) {
-            *wrong += MatchingScores::new(matched, truth, tolerance_px)?.wrong;
+            let scores = MatchingScores::new(matched, truth, tolerance_px)?;
+            *wrong += scores.wrong;
+            compared = scores.matched;
         }
-        self.compared += MatchingScores::new(matched, truth, 0.0)?.matched;
+        self.compared += compared;
         Ok(())
     }
 
@@ -56,5 +59,23 @@ impl CheckedMatcher {
         let checked = matches.disparity.values().iter().zip(&matches.left_right_difference_px);
         let values = checked.map(|(&d, &difference)| if difference <= 1 { d } else { f32::NAN }).collect();
         Ok(Disparity::new(frame.rig().width, frame.rig().height, values)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_over_two_frames_by_hand() {
+        let nan = f32::NAN;
+        let image = |values: [f32; 5]| Disparity::new(5, 1, values.to_vec()).unwrap();
+        let mut difficulty = Difficulty::default();
+        // Four valid, three of them with known truth: off by 0, 2 and 4.
+        difficulty.add(&image([5.0, 7.0, 9.0, 1.0, nan]), &image([5.0, 5.0, 5.0, nan, 5.0])).unwrap();
+        // One valid and right.
+        difficulty.add(&image([5.0, nan, nan, nan, nan]), &image([5.5; 5])).unwrap();
+        assert_eq!(difficulty.valid_percent(), 50.0);
+        assert_eq!(difficulty.wrong_percent(), [50.0, 25.0]);
     }
 }

@@ -6,6 +6,7 @@
 
 mod difficulty;
 mod picture;
+mod safety_maps;
 mod worlds;
 
 use std::path::{Path, PathBuf};
@@ -48,6 +49,39 @@ fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
         std::fs::create_dir_all(folder).map_err(at_path)?;
     }
     let temporary = path.with_extension("part");
-    std::fs::write(&temporary, bytes).map_err(at_path)?;
-    std::fs::rename(&temporary, path).map_err(at_path)
+    std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, path)).map_err(|e| {
+        // Nothing more can be done if the leftover cannot be removed either.
+        let _ = std::fs::remove_file(&temporary);
+        at_path(e)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_world_of_ones_own_gets_a_picture_of_three_panels() {
+        let out = tempfile::tempdir().unwrap();
+        let folders = Folders { data: out.path().to_owned(), out: out.path().to_owned() };
+        let world = concat!(env!("CARGO_MANIFEST_DIR"), "/../evigrid-synth/tests/box.toml");
+        let mut said = String::new();
+        let files = reproduce(&format!("worlds/{world}"), &folders, &mut |step| said.push_str(step)).unwrap();
+        assert_eq!(files, [out.path().join("worlds/box.jpg")]);
+        let picture = image::open(&files[0]).unwrap();
+        // Three images of 160 x 96 scaled to a width of 480, two gaps of 6.
+        assert_eq!((picture.width(), picture.height()), (3 * 480 + 2 * 6, 288));
+        assert!(said.contains("| `box` | 160x96, f 120 px, b 0.4 m | 3 |"), "{said}");
+        // Nothing else lies beside it.
+        assert_eq!(std::fs::read_dir(out.path().join("worlds")).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn unknown_names_get_the_nearest_one() {
+        let folders = Folders { data: PathBuf::new(), out: PathBuf::new() };
+        for (name, expected) in [("wolds", "mean `worlds`"), ("worlds/bar", "mean `bars`")] {
+            let error = reproduce(name, &folders, &mut |_| {}).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
 }

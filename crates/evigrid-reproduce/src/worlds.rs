@@ -1,16 +1,17 @@
 //! The table and the pictures of docs/synthetic.md: every built-in world, and how hard it is to match beside real
-//! data.
+//! data. An item is a built-in world or a world's TOML file: its picture alone, and its row of the table.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
-use evigrid_core::{Pose, name_hint};
+use anyhow::{Context, Result};
+use evigrid_core::Pose;
 use evigrid_replay::Sequence;
 use evigrid_synth::{LeftViewTruth, SyntheticSequence, World};
 
 use crate::difficulty::{CheckedMatcher, Difficulty};
 use crate::picture::stereo_panels;
+use crate::safety_maps::safety_maps;
 use crate::{Folders, write_file};
 
 /// One line of the table.
@@ -47,11 +48,9 @@ pub fn reproduce(
     let mut matcher = CheckedMatcher::new()?;
     let mut files = Vec::new();
     if let Some(item) = item {
-        if !World::builtin_names().any(|name| name == item) {
-            bail!("reproduce: unknown world `{item}`{}", name_hint(item, World::builtin_names()));
-        }
-        let (_, picture) = world(item, &mut matcher)?;
-        files.push(out.join(format!("{item}.jpg")));
+        let (row, picture) = world(item, &mut matcher)?;
+        report(&markdown_table(std::slice::from_ref(&row)));
+        files.push(out.join(format!("{}.jpg", row.name)));
         write_file(&files[0], &picture)?;
         return Ok(files);
     }
@@ -70,6 +69,9 @@ pub fn reproduce(
             None => log::warn!("data set {id} is not below {}: its row is left out", folders.data.display()),
         }
     }
+    report("safety maps");
+    files.push(out.join("safety-maps.png"));
+    write_file(&out.join("safety-maps.png"), &safety_maps()?)?;
     for (name, text) in [("difficulty.csv", csv_table(&rows)?), ("difficulty.md", markdown_table(&rows))] {
         files.push(out.join(name));
         write_file(&out.join(name), text.as_bytes())?;
@@ -79,7 +81,7 @@ pub fn reproduce(
 
 /// The first, the middle and the last frame count.
 fn world(name: &str, matcher: &mut CheckedMatcher) -> Result<(Row, Vec<u8>)> {
-    let world = World::builtin(name)?;
+    let world = World::open(name)?;
     let (last, sequence) = (world.frame_count() - 1, SyntheticSequence::new(world.clone()));
     let mut frames = vec![0, last / 2, last];
     frames.dedup();
@@ -99,7 +101,7 @@ fn world(name: &str, matcher: &mut CheckedMatcher) -> Result<(Row, Vec<u8>)> {
     let picture = stereo_panels(frame.left(), &truth, &matched)?;
     let rig = sequence.info().rig;
     let what = format!("{}x{}, f {} px, b {} m", rig.width, rig.height, rig.focal_px, rig.baseline_m);
-    Ok((Row { name: name.to_owned(), what, frames: last + 1, difficulty }, picture))
+    Ok((Row { name: world.name().to_owned(), what, frames: last + 1, difficulty }, picture))
 }
 
 /// `None` if the data set is not there.

@@ -79,3 +79,12 @@ fn the_right_camera_finds_the_same_surface_point_at_the_true_disparity() {
         assert!(compared > 5000 && on_edges * 1000 < compared, "{compared} pixels, {on_edges} on edges");
     }
 }
+
+#[test]
+fn the_posts_fill_as_many_pixels_as_published() {
+    // Andert 2009, Table I: 194047 valid pixels of 640 x 480, objects between 6 and 25 m (Fig. 6).
+    let truth = LeftViewTruth::new(&World::builtin("andert-posts").unwrap(), 0);
+    let near = truth.pixels().iter().filter(|pixel| pixel.depth_m < 25.0).count();
+    assert!(near.abs_diff(194_047) < 307_200 * 3 / 1000, "{near}");
+    assert!(truth.pixels().iter().all(|pixel| pixel.depth_m > 6.0));
+}

@@ -175,6 +175,11 @@ impl World {
         &self.name
     }
 
+    /// Where the exact truth on disk lies, in the map frame.
+    pub fn truth_grid(&self) -> GridSpec {
+        self.truth_grid
+    }
+
     /// How many frames there are.
     pub fn frame_count(&self) -> usize {
         self.reported.len()
@@ -200,7 +205,7 @@ impl World {
         self.world_from_body(self.time_s(frame)) * self.body_from_left
     }
 
-    /// Pose of the left camera at a frame as the robot reports it.
+    /// Pose of the left camera at a frame as the robot reports it, in the world's frame.
     pub fn reported_world_from_left(&self, frame: usize) -> Pose {
         self.reported[frame] * self.body_from_left
     }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use anyhow::Result;
 use evigrid_core::Frame;
-use evigrid_grid::{LogOddsGrid, View};
+use evigrid_grid::LogOddsGrid;
 use evigrid_replay::Sequence;
 use evigrid_truth::LaserTruth;
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::point::Point;
 use crate::ground_truth::GroundTruth;
 use crate::method::Family;
-use crate::pair_matcher::PairMatcher;
+use crate::pair_matcher::{PairMatcher, view};
 use crate::plan::map_frame;
 use crate::prefetch::read_ahead;
 use crate::{Clock, MethodResult, RunResult};
@@ -168,14 +168,7 @@ impl Matcher {
     fn step(&mut self, frame: &Frame) -> Result<()> {
         let keep_volume = self.families.iter().any(|f| f.mapper.needs_volume());
         let matching = self.matcher.run(frame, keep_volume)?;
-        let view = View {
-            rig: frame.rig(),
-            map_from_left: frame.map_from_left(),
-            left: frame.left(),
-            right: frame.right(),
-            matches: &matching.matches,
-            volume: matching.volume.as_ref(),
-        };
+        let view = view(frame, &matching);
         self.families.par_iter_mut().for_each(|family| family.mapper.integrate(&view));
         self.matcher.recycle(matching);
         Ok(())
