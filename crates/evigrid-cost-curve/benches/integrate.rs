@@ -4,7 +4,8 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use evigrid_core::{CostVolume, Disparity, GrayImage, Matches, NO_COST, Pose, StereoRig};
 use evigrid_cost_curve::{
-    CostCurve, CostCurveSettings, CostScale, CostUnit, WinnerTakeAll, WinnerTakeAllSettings,
+    CostCurve, CostCurveBayes, CostCurveBayesSettings, CostCurveSettings, CostScale, CostUnit, WinnerTakeAll,
+    WinnerTakeAllSettings,
 };
 use evigrid_grid::{GridSettings, GridSpec, Mapper, View};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -106,19 +107,28 @@ fn bench_cost_curve(c: &mut Criterion) {
         let matches = road(&rig);
         let volume = costs(&rig, &matches, disparities);
         let [left, right] = images(&rig);
-        let units = [("", CostUnit::GreyLevels), ("/homogeneous", CostUnit::Homogeneous)];
-        for ((unit_name, cost_unit), threads) in units.iter().flat_map(|u| [1, 2].map(|t| (u, t))) {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let spec = GridSpec::new(&GridSettings::default()).unwrap();
-            let settings = CostCurveSettings { cost_unit: *cost_unit, ..CostCurveSettings::default() };
-            let scale = CostScale { window_pixels: 49.0, grey_levels: 1.0 };
-            let mut mapper = CostCurve::new(spec, settings, scale).unwrap();
-            let (rig, volume) = (&rig, Some(&volume));
-            let view =
-                View { rig, map_from_left: &pose(), left: &left, right: &right, matches: &matches, volume };
-            group.bench_function(format!("{name}{unit_name}/{threads}"), |b| {
-                b.iter(|| pool.install(|| mapper.integrate(&view)));
-            });
+        let scale = CostScale { window_pixels: 49.0, grey_levels: 1.0 };
+        let spec = GridSpec::new(&GridSettings::default()).unwrap();
+        let curve = |cost_unit| {
+            let settings = CostCurveSettings { cost_unit, ..CostCurveSettings::default() };
+            Box::new(CostCurve::new(spec, settings, scale).unwrap()) as Box<dyn Mapper>
+        };
+        let bayes = CostCurveBayes::new(spec, CostCurveBayesSettings::default(), scale).unwrap();
+        let mappers = [
+            ("", curve(CostUnit::GreyLevels)),
+            ("/homogeneous", curve(CostUnit::Homogeneous)),
+            ("/bayes", Box::new(bayes)),
+        ];
+        for (kind, mut mapper) in mappers {
+            for threads in [1, 2] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let (rig, volume, pose) = (&rig, Some(&volume), &pose());
+                let view =
+                    View { rig, map_from_left: pose, left: &left, right: &right, matches: &matches, volume };
+                group.bench_function(format!("{name}{kind}/{threads}"), |b| {
+                    b.iter(|| pool.install(|| mapper.integrate(&view)));
+                });
+            }
         }
     }
 }

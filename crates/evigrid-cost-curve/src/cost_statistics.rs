@@ -1,11 +1,13 @@
 //! What eqs 6 and 7 need to know of a whole stereo pair.
 
-use evigrid_core::{CostVolume, Disparity, GrayImage, NO_COST};
+use evigrid_core::{CostVolume, Disparity, GrayImage, Matches, NO_COST};
 use rayon::prelude::*;
 
 /// The least variance of a difference of two grey values, grey levels^2: rounding either to a whole level has a variance
 /// of 1/12. Eq. 7 divides by the variance, which identical images would make 0.
 pub const PIXEL_VARIANCE_FLOOR: f64 = 1.0 / 6.0;
+/// The least mean of the absolute difference of two grey values, grey levels: rounding both to whole levels leaves 1/3.
+pub const MEAN_DIFFERENCE_FLOOR: f64 = 1.0 / 3.0;
 /// The least variance of the costs of free space, in units of the volume^2: that of rounding to whole numbers.
 const COST_VARIANCE_FLOOR: f64 = 1.0 / 12.0;
 
@@ -16,6 +18,13 @@ pub struct CostScale {
     pub window_pixels: f64,
     /// Grey levels per unit of the volume (1, unless a large window's sums are stored divided).
     pub grey_levels: f64,
+}
+
+impl CostScale {
+    /// Edge of a square of as many pixels, px; at least 1.
+    pub(crate) fn window_edge_px(&self) -> usize {
+        (self.window_pixels.sqrt().round() as usize).max(1)
+    }
 }
 
 /// Mean and variance of the costs that are measured where space is free.
@@ -51,6 +60,26 @@ pub fn pixel_variance(left: &GrayImage, right: &GrayImage, winners: &Disparity) 
     };
     let sums = (0..winners.height()).into_par_iter().map(row_sums).reduce(Sums::default, Sums::plus);
     sums.mean_and_variance().map_or(PIXEL_VARIANCE_FLOOR, |(_, variance)| variance.max(PIXEL_VARIANCE_FLOOR))
+}
+
+/// b, the mean |I2(x, y) - I1(x + d', y)| over all pixels with a winner d' that the right image confirms within `tolerance_px`,
+/// grey levels: the maximum likelihood scale of Laplacian noise. No less than [`MEAN_DIFFERENCE_FLOOR`].
+pub fn mean_difference(left: &GrayImage, right: &GrayImage, matches: &Matches, tolerance_px: u16) -> f64 {
+    let (width, height) = (left.width(), left.height());
+    let row_sums = |y: usize| {
+        let (left, right) = (left.row(y), right.row(y));
+        let confirmed = &matches.left_right_difference_px[y * width..(y + 1) * width];
+        let mut sums = Sums::default();
+        for (x, (d, difference)) in matches.disparity.row(y).iter().zip(confirmed).enumerate() {
+            let facing = winner(*d).and_then(|d| x.checked_sub(d)).filter(|_| *difference <= tolerance_px);
+            if let Some(facing) = facing {
+                sums.add(i64::from(right[facing].abs_diff(left[x])));
+            }
+        }
+        sums
+    };
+    let sums = (0..height).into_par_iter().map(row_sums).reduce(Sums::default, Sums::plus);
+    sums.mean_and_variance().map_or(MEAN_DIFFERENCE_FLOOR, |(mean, _)| mean.max(MEAN_DIFFERENCE_FLOOR))
 }
 
 /// The costs of visible free space (section III-C, Fig. 3): those of all hypotheses nearer than the pixel's winner, in

@@ -5,6 +5,7 @@ use multiversion::multiversion;
 
 use crate::cost_curve::Frame;
 use crate::curve_block::{CurveBlock, LANES, see};
+use crate::depth_walk::DepthWalk;
 use crate::rays::Rays;
 
 /// Offers the profiles of the pixels of row `y` to all cells of their rays.
@@ -67,54 +68,5 @@ fn draw_ray(
             evidence.offer(flat, frame.model.key(occupied));
         }
         walk.step();
-    }
-}
-
-/// The cells of a ray from the camera on, without end, with the depths at which it enters them (Amanatides and Woo
-/// 1987).
-struct DepthWalk {
-    cell: [i64; 3],
-    enter_m: f64,
-    next_face_m: [f64; 3],
-    spacing_m: [f64; 3],
-    forward: [i64; 3],
-}
-
-impl DepthWalk {
-    fn new(rays: &Rays<'_>, direction: [f64; 3]) -> Self {
-        let forward = direction.map(|d| if d > 0.0 { 1 } else { -1 });
-        let face = |a: usize| (rays.origin_cell[a] + i64::from(forward[a] > 0)) as f64;
-        Self {
-            cell: rays.origin_cell,
-            enter_m: 0.0,
-            next_face_m: std::array::from_fn(|a| {
-                if direction[a] == 0.0 { f64::INFINITY } else { (face(a) - rays.origin[a]) / direction[a] }
-            }),
-            spacing_m: direction.map(|d| d.recip().abs()),
-            forward,
-        }
-    }
-
-    /// The axis of the face that is crossed next; of several, the first.
-    fn next_axis(&self) -> usize {
-        let [x, y, z] = self.next_face_m;
-        if x <= y && x <= z {
-            0
-        } else if y <= z {
-            1
-        } else {
-            2
-        }
-    }
-
-    fn leave_m(&self) -> f64 {
-        self.next_face_m[self.next_axis()]
-    }
-
-    fn step(&mut self) {
-        let a = self.next_axis();
-        self.enter_m = self.next_face_m[a];
-        self.next_face_m[a] += self.spacing_m[a];
-        self.cell[a] += self.forward[a];
     }
 }

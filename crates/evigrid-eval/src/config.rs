@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use evigrid_core::name_hint;
-use evigrid_cost_curve::{CostCurveSettings, WinnerTakeAllSettings};
+use evigrid_cost_curve::{CostCurveBayesSettings, CostCurveSettings, WinnerTakeAllSettings};
 use evigrid_grid::GridSettings;
 use evigrid_stereo::BlockMatchingSettings;
 use evigrid_truth::TruthSettings;
@@ -33,6 +33,9 @@ pub struct Config {
     /// Method `cost-curve`.
     #[serde(rename = "cost-curve")]
     pub cost_curve: CostCurveSettings,
+    /// Method `cost-curve-bayes`.
+    #[serde(rename = "cost-curve-bayes")]
+    pub cost_curve_bayes: CostCurveBayesSettings,
 }
 
 /// What is run on what.

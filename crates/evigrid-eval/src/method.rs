@@ -1,5 +1,7 @@
 use anyhow::Result;
-use evigrid_cost_curve::{CostCurve, CostScale, PeakRatios, WinnerTakeAll, WinnerTakeAllSettings};
+use evigrid_cost_curve::{
+    CostCurve, CostCurveBayes, CostScale, PeakRatios, WinnerTakeAll, WinnerTakeAllSettings,
+};
 use evigrid_grid::{GridSpec, Mapper, MapperFamily};
 
 use crate::{Config, RunInfo};
@@ -11,17 +13,20 @@ pub enum Method {
     WinnerTakeAll,
     /// Brandao et al.
     CostCurve,
+    /// Brandao et al. by Bayes' rule: the project's own.
+    CostCurveBayes,
 }
 
 impl Method {
     /// All methods, in the order in which they are listed.
-    pub const ALL: [Self; 2] = [Self::WinnerTakeAll, Self::CostCurve];
+    pub const ALL: [Self; 3] = [Self::WinnerTakeAll, Self::CostCurve, Self::CostCurveBayes];
 
     /// The name on the command line, in tables and as the section of its settings.
     pub fn name(self) -> &'static str {
         match self {
             Self::WinnerTakeAll => "winner-take-all",
             Self::CostCurve => "cost-curve",
+            Self::CostCurveBayes => "cost-curve-bayes",
         }
     }
 
@@ -34,6 +39,9 @@ impl Method {
             Self::CostCurve => {
                 "the matching costs of all disparities of each pixel as evidence: Brandao et al."
             }
+            Self::CostCurveBayes => {
+                "the same evidence by Bayes' rule, with a realistic prior and looks instead of pixels: our own"
+            }
         }
     }
 
@@ -41,7 +49,7 @@ impl Method {
     pub fn needs(self) -> &'static str {
         match self {
             Self::WinnerTakeAll => "stereo pairs, calibration and poses",
-            Self::CostCurve => {
+            Self::CostCurve | Self::CostCurveBayes => {
                 "stereo pairs, calibration and poses; matching costs, so no disparities from elsewhere"
             }
         }
@@ -49,7 +57,7 @@ impl Method {
 
     /// Whether it needs matching costs, which disparities from elsewhere have not.
     pub fn needs_costs(self) -> bool {
-        matches!(self, Self::CostCurve)
+        matches!(self, Self::CostCurve | Self::CostCurveBayes)
     }
 
     /// The method with this name.
@@ -64,14 +72,19 @@ impl Method {
     pub fn build(self, spec: GridSpec, config: &Config) -> Result<Box<dyn Mapper>> {
         Ok(match self {
             Self::WinnerTakeAll => Box::new(WinnerTakeAll::new(spec, config.winner_take_all)?),
-            Self::CostCurve => {
-                let scale = CostScale {
-                    window_pixels: (config.stereo.window * config.stereo.window) as f64,
-                    grey_levels: f64::from(1_u32 << config.stereo.cost_shift()),
-                };
-                Box::new(CostCurve::new(spec, config.cost_curve, scale)?)
+            Self::CostCurve => Box::new(CostCurve::new(spec, config.cost_curve, cost_scale(config))?),
+            Self::CostCurveBayes => {
+                Box::new(CostCurveBayes::new(spec, config.cost_curve_bayes, cost_scale(config))?)
             }
         })
+    }
+}
+
+/// What the numbers of the matcher's cost volume stand for.
+fn cost_scale(config: &Config) -> CostScale {
+    CostScale {
+        window_pixels: (config.stereo.window * config.stereo.window) as f64,
+        grey_levels: f64::from(1_u32 << config.stereo.cost_shift()),
     }
 }
 
@@ -122,6 +135,6 @@ fn share_drawing(a: &(usize, Method, &RunInfo), b: &(usize, Method, &RunInfo)) -
     a.1 == b.1
         && match a.1 {
             Method::WinnerTakeAll => a.2.spec == b.2.spec && settings(a.2) == settings(b.2),
-            Method::CostCurve => false,
+            Method::CostCurve | Method::CostCurveBayes => false,
         }
 }

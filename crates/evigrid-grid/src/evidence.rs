@@ -60,6 +60,11 @@ impl FrameEvidence {
     /// Adds the frame's evidence to a map, l_t = clamp(l_{t-1} + evidence), where untouched cells start at the prior
     /// 0.5 (log-odds 0), and empties it for the next frame.
     pub fn fuse_into(&mut self, map: &mut LogOddsGrid, clamp: Clamp) {
+        self.fuse_from(0.0, map, clamp);
+    }
+
+    /// The same, where untouched cells start at the log-odds of another prior.
+    pub fn fuse_from(&mut self, prior: f32, map: &mut LogOddsGrid, clamp: Clamp) {
         let keys = self.keys.par_chunks_mut(CELLS_PER_TASK);
         let values = map.values_mut().par_chunks_mut(CELLS_PER_TASK);
         keys.zip(values).for_each(|(keys, values)| {
@@ -67,7 +72,7 @@ impl FrameEvidence {
                 let key = *slot.get_mut();
                 if key != NONE {
                     *slot.get_mut() = NONE;
-                    *value = clamp.add(*value, Self::log_odds(key));
+                    *value = clamp.add(if value.is_nan() { prior } else { *value }, Self::log_odds(key));
                 }
             }
         });

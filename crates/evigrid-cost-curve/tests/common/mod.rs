@@ -1,6 +1,8 @@
 //! Random frames of a small rig over a small grid.
 #![allow(clippy::unwrap_used, missing_docs, dead_code)]
 
+pub mod volumes;
+
 use evigrid_core::{Disparity, GrayImage, Matches, Pose, StereoRig};
 use evigrid_cost_curve::WinnerTakeAllSettings;
 use evigrid_grid::{GridSettings, GridSpec, Mapper, View};

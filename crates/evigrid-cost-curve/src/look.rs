@@ -1,0 +1,152 @@
+//! The evidence of one look: pixels whose matching windows share most of the image, along the ray in their middle.
+
+use evigrid_core::{CostVolume, NO_COST};
+use evigrid_grid::Clamp;
+
+use crate::fast_math::{exp_negative, log_odds};
+use crate::ray_sections::RaySections;
+
+/// Pixels that are computed side by side.
+const LANES: usize = 16;
+/// Log-odds of what no rounding can tell from 0 or 1.
+const WIDE: Clamp = Clamp { min: -40.0, max: 40.0 };
+
+/// What all looks of a frame have in common.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LookModel {
+    /// 1 / t, per unit of the volume.
+    pub sharpness: f32,
+    /// Share of pixels whose costs say nothing.
+    pub outliers: f32,
+    /// Prior probability that a cell stops a ray that reaches it.
+    pub stops: f32,
+    /// Hypotheses, counted from the nearest, that lie wholly or in part beyond the greatest depth begin here.
+    pub first_beyond: usize,
+}
+
+/// The pixels of a look, and what is worked out for them; kept from look to look.
+#[derive(Debug, Default)]
+pub(crate) struct Look {
+    pub sections: RaySections,
+    /// The pixels that count, x and y.
+    pub pixels: Vec<[usize; 2]>,
+    /// Costs, then p(E | d), `[hypothesis][pixel]`, hypotheses from the nearest to the farthest.
+    likelihoods: Vec<[f32; LANES]>,
+    /// w_i, `[cell][pixel]`.
+    weights: Vec<[f32; LANES]>,
+    /// Per cell the sum over the pixels of ln odds(P_i) - ln odds(prior).
+    pub sums: Vec<f32>,
+}
+
+impl Look {
+    /// Sets [`Self::sums`] from the pixels and the cells of their ray.
+    #[inline(always)]
+    pub fn fill_sums(&mut self, model: &LookModel, volume: &CostVolume) {
+        self.sums.clear();
+        self.sums.resize(self.sections.cells.len(), 0.0);
+        for first in (0..self.pixels.len()).step_by(LANES) {
+            let count = LANES.min(self.pixels.len() - first);
+            self.fill_likelihoods(model, volume, first, count);
+            let all = self.fill_weights(model);
+            self.add_log_odds(model, all, count);
+        }
+    }
+
+    /// p(E | d) of every hypothesis but for a factor that is the pixel's own: (1 - outliers) exp(-E/t) / sum + outliers / n.
+    #[inline(always)]
+    fn fill_likelihoods(&mut self, model: &LookModel, volume: &CostVolume, first: usize, count: usize) {
+        let least = self.fill_costs(volume, first, count);
+        let mut sum = [0.0_f32; LANES];
+        for row in &mut self.likelihoods {
+            for l in 0..LANES {
+                // Missing costs are infinite.
+                row[l] = exp_negative((row[l] - least[l]) * model.sharpness);
+                sum[l] += row[l];
+            }
+        }
+        let scale = sum.map(|s| (1.0 - model.outliers) / s);
+        let floor = model.outliers / self.likelihoods.len() as f32;
+        for row in &mut self.likelihoods {
+            for l in 0..LANES {
+                row[l] = row[l] * scale[l] + floor;
+            }
+        }
+    }
+
+    /// The costs of some of the pixels, each of which has one at least; returns the smallest of each.
+    #[inline(always)]
+    fn fill_costs(&mut self, volume: &CostVolume, first: usize, count: usize) -> [f32; LANES] {
+        let (n, width) = (volume.disparities(), volume.width());
+        self.likelihoods.clear();
+        self.likelihoods.resize(n, [0.0; LANES]);
+        // Places without a pixel repeat the first.
+        let at = |l: usize| self.pixels[first + if l < count { l } else { 0 }];
+        let curves: [&[u16]; LANES] = std::array::from_fn(|l| &volume.row(at(l)[1])[at(l)[0]..]);
+        let mut least = [NO_COST; LANES];
+        for (d, costs) in self.likelihoods.iter_mut().rev().enumerate() {
+            let mut row = [NO_COST; LANES];
+            for l in 0..LANES {
+                row[l] = curves[l][d * width];
+            }
+            for l in 0..LANES {
+                costs[l] = if row[l] == NO_COST { f32::INFINITY } else { f32::from(row[l]) };
+                least[l] = if row[l] < least[l] { row[l] } else { least[l] };
+            }
+        }
+        least.map(f32::from)
+    }
+
+    /// w_i = stops (1 - stops)^(i-1) g_i of every cell, where g_i is the mean of p(E | d) over its length; returns their sum
+    /// and what is left for obstacles beyond all cells.
+    #[inline(always)]
+    fn fill_weights(&mut self, model: &LookModel) -> [f32; LANES] {
+        self.weights.clear();
+        let mut prior = model.stops;
+        let mut all = [0.0_f32; LANES];
+        for cell in 0..self.sections.cells.len() {
+            let mut weight = [0.0_f32; LANES];
+            for part in self.sections.parts_of(cell) {
+                let (g, share) = (&self.likelihoods[part.hypothesis as usize], part.share * prior);
+                for l in 0..LANES {
+                    weight[l] += share * g[l];
+                }
+            }
+            for l in 0..LANES {
+                all[l] += weight[l];
+            }
+            self.weights.push(weight);
+            prior *= 1.0 - model.stops;
+        }
+        self.add_beyond(model, prior / model.stops, all)
+    }
+
+    /// Obstacles beyond all cells, whose hypotheses are equally likely.
+    #[inline(always)]
+    fn add_beyond(&self, model: &LookModel, prior: f32, mut all: [f32; LANES]) -> [f32; LANES] {
+        let first = model.first_beyond.min(self.likelihoods.len() - 1);
+        let share = prior / (self.likelihoods.len() - first) as f32;
+        for row in &self.likelihoods[first..] {
+            for l in 0..LANES {
+                all[l] += share * row[l];
+            }
+        }
+        all
+    }
+
+    /// ln odds(P_i) - ln odds(prior), P_i = (w_i + stops sum_{j<i} w_j) / all.
+    #[inline(always)]
+    fn add_log_odds(&mut self, model: &LookModel, all: [f32; LANES], count: usize) {
+        let prior = log_odds(model.stops, WIDE);
+        let per_all = all.map(f32::recip);
+        let mut before = [0.0_f32; LANES];
+        for (weights, sum) in self.weights.iter().zip(&mut self.sums) {
+            let mut l_odds = [0.0_f32; LANES];
+            for l in 0..LANES {
+                let p = (weights[l] + model.stops * before[l]) * per_all[l];
+                l_odds[l] = log_odds(if p < 1.0 { p } else { 1.0 }, WIDE) - prior;
+                before[l] += weights[l];
+            }
+            *sum += l_odds[..count].iter().sum::<f32>();
+        }
+    }
+}

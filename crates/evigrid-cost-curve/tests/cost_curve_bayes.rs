@@ -1,0 +1,263 @@
+//! The mapper `cost-curve-bayes` against a slow, obvious twin: every pixel by itself in double precision, the cells of each
+//! look's ray from sorted face crossings, a map of maxima, a sum over frames.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod common;
+
+use std::collections::BTreeMap;
+
+use common::volumes::{SCALE, Shot, cells_of_ray, curve, shot, uniform, view};
+use common::{RIG, spec};
+use evigrid_core::NO_COST;
+use evigrid_cost_curve::{
+    CostCurveBayes, CostCurveBayesSettings, CostScale, MEAN_DIFFERENCE_FLOOR, first_obstacle, mean_difference,
+};
+use evigrid_grid::{Mapper, View, logit};
+use proptest::prelude::*;
+
+/// What single precision and the polynomials may do to the evidence of a cell, log-odds.
+const TOLERANCE: f64 = 5e-4;
+/// Evidence that is as good as none is not drawn.
+const LEAST: f64 = 0.01;
+
+/// b, from its definition.
+fn scale_by_hand(settings: &CostCurveBayesSettings, shot: &Shot) -> f64 {
+    let [left, right] = &shot.images;
+    let mut differences = Vec::new();
+    for pixel in 0..RIG.width * RIG.height {
+        let (x, y) = (pixel % RIG.width, pixel / RIG.width);
+        let winner = shot.matches.disparity.values()[pixel];
+        if confirmed(settings, shot, pixel) && winner <= x as f32 {
+            let facing = right.row(y)[x - winner as usize];
+            differences.push((f64::from(left.row(y)[x]) - f64::from(facing)).abs());
+        }
+    }
+    let mean = differences.iter().sum::<f64>() / differences.len() as f64;
+    if mean > MEAN_DIFFERENCE_FLOOR { mean } else { MEAN_DIFFERENCE_FLOOR }
+}
+
+fn confirmed(settings: &CostCurveBayesSettings, shot: &Shot, pixel: usize) -> bool {
+    let matches = &shot.matches;
+    let checked = !settings.left_right_check
+        || matches.left_right_difference_px[pixel] <= settings.left_right_tolerance_px;
+    checked && !matches.disparity.values()[pixel].is_nan()
+}
+
+/// p(E | d) of every hypothesis of a pixel, nearest first.
+fn likelihoods(settings: &CostCurveBayesSettings, costs: &[f64], scale: f64) -> Vec<f64> {
+    let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+    let p: Vec<f64> =
+        costs.iter().map(|c| if c.is_nan() { 0.0 } else { (-(c - least) / scale).exp() }).collect();
+    let (sum, o) = (p.iter().sum::<f64>(), settings.outlier_share);
+    p.iter().map(|p| (1.0 - o) * p / sum + o / costs.len() as f64).collect()
+}
+
+/// ln odds of P over those of the prior, for all cells of a ray.
+fn pixel_by_hand(
+    settings: &CostCurveBayesSettings,
+    g: &[f64],
+    depths: &[(f64, f64)],
+    cells: &[([i64; 3], f64, f64)],
+    end: f64,
+) -> Vec<f64> {
+    let mean_over = |enter: f64, leave: f64| {
+        let part = |(&(near, far), g): (&(f64, f64), &f64)| (far.min(leave) - near.max(enter)).max(0.0) * g;
+        depths.iter().zip(g).map(part).sum::<f64>() / (leave - enter)
+    };
+    let means: Vec<f64> = cells.iter().map(|&(_, enter, leave)| mean_over(enter, leave)).collect();
+    let beyond: Vec<f64> = depths.iter().zip(g).filter(|((_, far), _)| *far > end).map(|(_, g)| *g).collect();
+    // All cells end where the last hypothesis does: that one is all that is left.
+    let beyond =
+        if beyond.is_empty() { *g.last().unwrap() } else { beyond.iter().sum::<f64>() / beyond.len() as f64 };
+    let stops = settings.cell_prior / 2.0;
+    let p = first_obstacle::stopping(&means, beyond, stops);
+    p.iter().map(|p| logit(*p).clamp(-40.0, 40.0) - logit(stops)).collect()
+}
+
+fn frame_by_hand(settings: &CostCurveBayesSettings, shot: &Shot) -> BTreeMap<usize, f64> {
+    let scale = scale_by_hand(settings, shot);
+    let mut evidence = BTreeMap::new();
+    for (x0, y0) in (0..RIG.height).step_by(7).flat_map(|y| (0..RIG.width).step_by(7).map(move |x| (x, y))) {
+        let (x1, y1) = ((x0 + 7).min(RIG.width), (y0 + 7).min(RIG.height));
+        let middle = |a: usize, b: usize| 0.5 * (a + b - 1) as f64;
+        let far = |d: usize| if d == 0 { f64::INFINITY } else { RIG.depth_m(d as f64 - 0.5) };
+        let disparities = curve(&shot.volume, 0, 0).0;
+        let depths: Vec<_> = disparities.iter().map(|&d| (RIG.depth_m(d as f64 + 0.5), far(d))).collect();
+        let end = depths.last().unwrap().1.min(settings.max_depth_m);
+        let cells = cells_of_ray(shot, middle(x0, x1), middle(y0, y1), end);
+        let mut all = Vec::new();
+        for (x, y) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y))) {
+            if confirmed(settings, shot, y * RIG.width + x) {
+                let g = likelihoods(settings, &curve(&shot.volume, x, y).1, scale);
+                all.push(pixel_by_hand(settings, &g, &depths, &cells, end));
+            }
+        }
+        if all.is_empty() {
+            continue;
+        }
+        for (i, (cell, ..)) in cells.iter().enumerate() {
+            let Some(flat) = spec().flat(*cell) else { continue };
+            let mean = all.iter().map(|pixel| pixel[i]).sum::<f64>() / all.len() as f64;
+            let log_odds = ((1.0 + mean.exp()) / 2.0).ln();
+            let entry = evidence.entry(flat).or_insert(f64::NEG_INFINITY);
+            *entry = entry.max(log_odds);
+        }
+    }
+    evidence
+}
+
+fn check(settings: CostCurveBayesSettings, shots: &[Shot]) -> Result<(), TestCaseError> {
+    let (prior, bounds) = (logit(settings.cell_prior) as f32, settings.clamp());
+    let mut mapper = CostCurveBayes::new(spec(), settings, SCALE).unwrap();
+    let mut sum: BTreeMap<usize, f32> = BTreeMap::new();
+    for shot in shots {
+        let by_hand = frame_by_hand(&settings, shot);
+        // Wide bounds, to see the evidence itself.
+        let wide = CostCurveBayesSettings { log_odds_bounds: [-40.0, 40.0], ..settings };
+        let mut single = CostCurveBayes::new(spec(), wide, SCALE).unwrap();
+        single.integrate(&view(shot));
+        for cell in 0..spec().cell_count() {
+            match (single.map().log_odds(cell), by_hand.get(&cell)) {
+                (None, None) => {}
+                // Free evidence that is as good as none may have been the largest of what was drawn, or not.
+                (None, Some(l)) => {
+                    prop_assert!(l.abs() < LEAST + TOLERANCE, "cell {cell}: nothing, expected {l}")
+                }
+                (Some(found), Some(l)) => {
+                    let evidence = f64::from(found) - logit(settings.cell_prior);
+                    let hidden = l.abs() < LEAST + TOLERANCE && evidence < 0.0;
+                    let near = (evidence - l).abs() < TOLERANCE * (1.0 + l.abs());
+                    prop_assert!(
+                        near || hidden,
+                        "cell {cell} {:?}: {evidence}, expected {l}",
+                        spec().voxel(cell)
+                    );
+                }
+                (Some(found), None) => prop_assert!(false, "cell {cell}: {found}, expected nothing"),
+            }
+        }
+        mapper.integrate(&view(shot));
+        for (cell, l) in single.map().touched() {
+            let entry = sum.entry(cell).or_insert(prior);
+            *entry = (*entry + (l - prior)).clamp(bounds.min, bounds.max);
+        }
+    }
+    for (cell, l) in mapper.map().touched() {
+        prop_assert!((l - sum[&cell]).abs() < 1e-4, "cell {cell}: {l}, expected {}", sum[&cell]);
+    }
+    prop_assert_eq!(mapper.map().touched().count(), sum.len());
+    Ok(())
+}
+
+fn settings() -> impl Strategy<Value = CostCurveBayesSettings> {
+    (0.01..0.3_f64, 0.001..0.3_f64, any::<bool>(), 0..3_u16, 1.0..16.0_f64).prop_map(
+        |(cell_prior, outlier_share, left_right_check, left_right_tolerance_px, max_depth_m)| {
+            CostCurveBayesSettings {
+                cell_prior,
+                outlier_share,
+                left_right_check,
+                left_right_tolerance_px,
+                max_depth_m,
+                ..CostCurveBayesSettings::default()
+            }
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    #[test]
+    fn equals_the_slow_twin(settings in settings(), shots in prop::collection::vec(shot(), 1..3)) {
+        check(settings, &shots)?;
+    }
+
+    #[test]
+    fn the_scale_is_the_mean_difference(settings in settings(), shot in shot()) {
+        let tolerance = if settings.left_right_check { settings.left_right_tolerance_px } else { u16::MAX };
+        let found = mean_difference(&shot.images[0], &shot.images[1], &shot.matches, tolerance);
+        prop_assert!((found - scale_by_hand(&settings, &shot)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn any_number_of_threads_makes_the_same_map(settings in settings(), shots in prop::collection::vec(shot(), 1..3)) {
+        let maps = [1, 2, 5].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut mapper = CostCurveBayes::new(spec(), settings, SCALE).unwrap();
+            pool.install(|| shots.iter().for_each(|shot| mapper.integrate(&view(shot))));
+            mapper.map().values().iter().map(|l| l.to_bits()).collect::<Vec<_>>()
+        });
+        prop_assert_eq!(&maps[0], &maps[1]);
+        prop_assert_eq!(&maps[0], &maps[2]);
+    }
+}
+
+#[test]
+fn bad_input_gives_a_map_all_the_same() {
+    for (curve, smallest) in [
+        (&[500, 500, 500, 500, 500][..], 0), // a constant curve
+        (&[0, 0, 0][..], 1),
+        (&[NO_COST, 300, NO_COST, 70, NO_COST][..], 0), // missing costs
+        (&[40][..], 1),                                 // one disparity only
+        (&[40][..], 0),
+        (&[65_534, 0, 65_534][..], 2),
+    ] {
+        // Identical images and constant ones.
+        for images in [[80, 80], [0, 255]] {
+            check(CostCurveBayesSettings::default(), &[uniform(curve, smallest, images)]).unwrap();
+        }
+    }
+    let mut mapper = CostCurveBayes::new(spec(), CostCurveBayesSettings::default(), SCALE).unwrap();
+    mapper.integrate(&view(&uniform(&[NO_COST; 4], 0, [9, 9])));
+    mapper.integrate(&View { volume: None, ..view(&uniform(&[7; 4], 0, [9, 9])) });
+    assert_eq!(mapper.map().touched().count(), 0, "nothing measured, nothing said");
+    // Windows of a single pixel, and costs that are stored divided.
+    for scale in [
+        CostScale { window_pixels: 1.0, grey_levels: 1.0 },
+        CostScale { window_pixels: 441.0, grey_levels: 2.0 },
+    ] {
+        let mut mapper = CostCurveBayes::new(spec(), CostCurveBayesSettings::default(), scale).unwrap();
+        mapper.integrate(&view(&uniform(&[300, 0, 300], 0, [9, 9])));
+        assert!(mapper.map().touched().count() > 0);
+    }
+}
+
+/// A wall whose disparity all pixels agree on: its depths are more likely occupied than before, what is in front less
+/// likely by the factor that an empty half of a cell leaves, and nothing is said of what is behind.
+#[test]
+fn a_wall_by_geometry() {
+    // b f = 7: disparity 1 stands for 4.67 m to 14 m, 2 for 2.8 m to 4.67 m, 3 for 2 m to 2.8 m.
+    let shot = uniform(&[9000, 9000, 0, 9000], 0, [80, 80]);
+    let settings = CostCurveBayesSettings { outlier_share: 1e-6, ..CostCurveBayesSettings::default() };
+    let mut mapper = CostCurveBayes::new(spec(), settings, SCALE).unwrap();
+    mapper.integrate(&view(&shot));
+    let (prior, mut counts) = (logit(0.05) as f32, [0; 2]);
+    for (cell, l) in mapper.map().touched() {
+        let [low, high] = [0.0, 1.0].map(|f| (mapper.map().spec().voxel(cell)[0] as f64 + f) * 0.4 - 0.1);
+        if high < 2.8 {
+            counts[0] += 1;
+            assert!((l - prior - 0.5_f32.ln()).abs() < 1e-2, "free from {low} m: {l}");
+        } else {
+            assert!(low < 4.67, "hidden from {low} m: {l}");
+            counts[1] += 1;
+            assert!(l > prior, "occupied from {low} m: {l}");
+        }
+    }
+    assert!(counts.iter().all(|n| *n > 10), "{counts:?}");
+}
+
+#[test]
+fn impossible_settings_are_refused() {
+    let base = CostCurveBayesSettings::default();
+    for bad in [
+        CostCurveBayesSettings { cell_prior: 0.0, ..base },
+        CostCurveBayesSettings { cell_prior: f64::NAN, ..base },
+        CostCurveBayesSettings { outlier_share: 0.7, ..base },
+        CostCurveBayesSettings { max_depth_m: f64::INFINITY, ..base },
+        CostCurveBayesSettings { log_odds_bounds: [0.0, 5.0], ..base },
+        CostCurveBayesSettings { log_odds_bounds: [-5.0, f32::NAN], ..base },
+        CostCurveBayesSettings { log_odds_bounds: [-1.0, 5.0], ..base },
+    ] {
+        let error = CostCurveBayes::new(spec(), bad, SCALE).unwrap_err().to_string();
+        assert!(error.starts_with("cost-curve-bayes."), "{error}");
+    }
+}
