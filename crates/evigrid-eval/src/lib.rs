@@ -33,5 +33,5 @@ pub use plan::{FrameRange, Plan, data_root, open_dataset};
 pub use run::evaluate;
 pub use score_file::score_map_file;
 pub use scores::{MethodResult, Scores};
-pub use sweep::{Sweep, SweepPlan, SweepStep, run_sweep};
+pub use sweep::{Mapped, Sweep, SweepPlan, SweepStep, map_together, run_sweep};
 pub use tables::{TableWriter, markdown_summary, run_json};

@@ -4,15 +4,19 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+mod brandao;
+mod chart;
 mod difficulty;
 mod picture;
 mod safety_maps;
+mod table;
 mod worlds;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use evigrid_core::name_hint;
+use evigrid_eval::{Clock, Observer};
 
 /// Where data is read from and results are written to.
 #[derive(Debug, Clone)]
@@ -23,21 +27,32 @@ pub struct Folders {
     pub out: PathBuf,
 }
 
-/// The groups there are.
-pub const GROUPS: [&str; 1] = ["worlds"];
+/// What the command lends, so that nothing here knows of terminals, the machine's clock or the recording's format.
+pub struct Tools<'a> {
+    /// Is told what is being done.
+    pub report: &'a mut dyn FnMut(&str),
+    /// Where measured times come from.
+    pub clock: &'a dyn Clock,
+    /// Opens what records a run into a file; `None` if the program cannot record.
+    pub recorder: &'a dyn Fn(PathBuf) -> Result<Option<Box<dyn Observer>>>,
+}
 
-/// Makes everything of a group, or one item of it (`GROUP/ITEM`), and names the files it wrote. `report` is told what
-/// is being done.
+/// The groups there are.
+pub const GROUPS: [&str; 2] = ["worlds", "brandao"];
+
+/// Makes everything of a group, or one item of it (`GROUP/ITEM`), and names the files it wrote.
 ///
 /// # Errors
-/// If there is no such group or item, or something cannot be read or written.
-pub fn reproduce(name: &str, folders: &Folders, report: &mut dyn FnMut(&str)) -> Result<Vec<PathBuf>> {
+/// If there is no such group or item, something cannot be read or written, or the data of the one item that was asked
+/// for are not there. Of a whole group such items are left out, and it is said which.
+pub fn reproduce(name: &str, folders: &Folders, tools: &mut Tools<'_>) -> Result<Vec<PathBuf>> {
     let (group, item) = match name.split_once('/') {
         Some((group, item)) => (group, Some(item)),
         None => (name, None),
     };
     match group {
-        "worlds" => worlds::reproduce(item, folders, report),
+        "worlds" => worlds::reproduce(item, folders, tools.report),
+        "brandao" => brandao::reproduce(item, folders, tools),
         _ => bail!("reproduce: unknown group `{group}`{}", name_hint(group, GROUPS)),
     }
 }
@@ -59,6 +74,12 @@ fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use evigrid_eval::RealClock;
+
+    fn make(name: &str, folders: &Folders, report: &mut dyn FnMut(&str)) -> Result<Vec<PathBuf>> {
+        let clock = RealClock::default();
+        reproduce(name, folders, &mut Tools { report, clock: &clock, recorder: &|_| Ok(None) })
+    }
 
     #[test]
     fn a_world_of_ones_own_gets_a_picture_of_three_panels() {
@@ -66,7 +87,7 @@ mod tests {
         let folders = Folders { data: out.path().to_owned(), out: out.path().to_owned() };
         let world = concat!(env!("CARGO_MANIFEST_DIR"), "/../evigrid-synth/tests/box.toml");
         let mut said = String::new();
-        let files = reproduce(&format!("worlds/{world}"), &folders, &mut |step| said.push_str(step)).unwrap();
+        let files = make(&format!("worlds/{world}"), &folders, &mut |step| said.push_str(step)).unwrap();
         assert_eq!(files, [out.path().join("worlds/box.jpg")]);
         let picture = image::open(&files[0]).unwrap();
         // Three images of 160 x 96 scaled to a width of 480, two gaps of 6.
@@ -79,8 +100,10 @@ mod tests {
     #[test]
     fn unknown_names_get_the_nearest_one() {
         let folders = Folders { data: PathBuf::new(), out: PathBuf::new() };
-        for (name, expected) in [("wolds", "mean `worlds`"), ("worlds/bar", "mean `bars`")] {
-            let error = reproduce(name, &folders, &mut |_| {}).unwrap_err().to_string();
+        for (name, expected) in
+            [("wolds", "mean `worlds`"), ("worlds/bar", "mean `bars`"), ("brandao/fig11", "mean `fig10`")]
+        {
+            let error = make(name, &folders, &mut |_| {}).unwrap_err().to_string();
             assert!(error.contains(expected), "{error}");
         }
     }

@@ -12,6 +12,7 @@ mod plan_file;
 mod point;
 mod point_folder;
 mod report;
+mod together;
 
 use std::path::Path;
 
@@ -24,6 +25,7 @@ use point_folder::PointFolders;
 use report::Report;
 
 pub use plan::{Sweep, SweepPlan};
+pub use together::{Mapped, map_together};
 
 /// How far a sweep is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

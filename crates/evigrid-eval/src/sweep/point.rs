@@ -1,4 +1,4 @@
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use evigrid_replay::Sequence;
 use toml::Value;
 
@@ -7,7 +7,7 @@ use super::plan::SweepPlan;
 use crate::config::nested;
 use crate::plan::{check_settings, run_info};
 use crate::tables::settings_hash;
-use crate::{Method, RunInfo};
+use crate::{Config, Method, RunInfo};
 
 /// One run's worth of settings.
 #[derive(Debug)]
@@ -44,6 +44,15 @@ impl Point {
         check_settings(&config).with_context(|| plan.origin.clone())?;
         let info = run_info(config, sequence).with_context(|| plan.origin.clone())?;
         Ok(Self { method, values, hash: settings_hash(&info)?, info })
+    }
+
+    /// A run by itself, of one method, all settings checked.
+    pub fn of_run(config: Config, sequence: &dyn Sequence) -> Result<Self> {
+        let [method] = check_settings(&config)?[..] else {
+            bail!("run.methods: expected one method, found {}", config.run.methods.join(", "));
+        };
+        let info = run_info(config, sequence)?;
+        Ok(Self { method, values: Vec::new(), hash: settings_hash(&info)?, info })
     }
 
     /// Data set, method and values in one line.

@@ -1,0 +1,128 @@
+//! Many settings on one recording, for whoever wants the maps themselves and no files.
+
+use std::sync::{Mutex, PoisonError};
+
+use anyhow::{Context, Result};
+use evigrid_grid::LogOddsGrid;
+use evigrid_replay::Sequence;
+use evigrid_truth::LaserTruth;
+
+use super::pass::{PointResult, run_pass, split_into_passes};
+use super::point::Point;
+use crate::{Clock, Config, MethodResult, RunInfo};
+
+/// What one of many settings gave.
+#[derive(Debug, Clone, Copy)]
+pub struct Mapped<'a> {
+    /// What a run of it would be.
+    pub info: &'a RunInfo,
+    /// What it found.
+    pub result: &'a MethodResult,
+    /// Its map.
+    pub map: &'a LogOddsGrid,
+    /// The laser's reference; `None` without any scan.
+    pub truth: Option<&'a LaserTruth>,
+}
+
+/// Maps a recording under many settings, each with one method, reading and matching every frame as few times as memory
+/// allows. Every map is that of a run of its settings. `look` sees each when it is complete, from any thread, and what it
+/// makes of them comes back in the order of `configs`. `frame_done` is called after each frame of each pass.
+///
+/// # Errors
+/// If a setting is outside its domain, a frame cannot be read, or `look` fails.
+pub fn map_together<T: Send>(
+    sequence: &dyn Sequence,
+    configs: Vec<Config>,
+    clock: &dyn Clock,
+    look: &(dyn Fn(&Mapped<'_>) -> Result<T> + Sync),
+    frame_done: &mut dyn FnMut(),
+) -> Result<Vec<T>> {
+    let points: Result<Vec<Point>> = configs.into_iter().map(|c| Point::of_run(c, sequence)).collect();
+    let points = points?;
+    let seen: Mutex<Vec<Option<T>>> = Mutex::new(points.iter().map(|_| None).collect());
+    let write = |found: &PointResult<'_>| {
+        let result = found.run.methods.first().context("a run without a method")?;
+        let mapped = Mapped { info: &found.point.info, result, map: &found.map, truth: found.truth };
+        let value = look(&mapped)?;
+        let number = points.iter().position(|p| std::ptr::eq(p, found.point));
+        let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(slot) = number.and_then(|number| seen.get_mut(number)) {
+            *slot = Some(value);
+        }
+        Ok(())
+    };
+    for pass in split_into_passes(points.iter().collect()) {
+        run_pass(sequence, &pass, clock, &write, &mut |_| frame_done())?;
+    }
+    let seen = seen.into_inner().unwrap_or_else(PoisonError::into_inner);
+    seen.into_iter().map(|value| value.context("a point was left out of all passes")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::{Observer, Plan, RealClock, ResultsFolder, RunResult, SealedFile, evaluate};
+
+    /// Bits of the map at the end of a run.
+    #[derive(Default)]
+    struct Bits(Vec<u32>);
+
+    impl Observer for Bits {
+        fn end(
+            &mut self,
+            _: &RunResult,
+            maps: &[&LogOddsGrid],
+            _: Option<&LaserTruth>,
+        ) -> Result<Vec<SealedFile>> {
+            self.0 = bits(maps[0]);
+            Ok(Vec::new())
+        }
+    }
+
+    fn bits(map: &LogOddsGrid) -> Vec<u32> {
+        map.values().iter().map(|v| v.to_bits()).collect()
+    }
+
+    fn config(method: &str, set: &str) -> Config {
+        let sets = ["run.frames=0..2", "grid.x_m=[0, 20]", "stereo.disparities=32", set].map(str::to_owned);
+        let mut config = Config::load(None, &sets).unwrap();
+        config.run.methods = vec![method.to_owned()];
+        config
+    }
+
+    #[test]
+    fn maps_are_those_of_single_runs_in_the_order_of_the_settings() {
+        let configs = vec![
+            config("cost-curve", "cost-curve.cost_unit=homogeneous"),
+            config("winner-take-all", "winner-take-all.peak_ratio=3"),
+            config("cost-curve", "stereo.window=9"),
+            config("winner-take-all", "winner-take-all.peak_ratio=1.5"),
+        ];
+        let sequence = crate::open_dataset("synth:street").unwrap();
+        let clock = RealClock::default();
+        let look = |mapped: &Mapped<'_>| Ok(bits(mapped.map));
+        let mut frames = 0;
+        let together =
+            map_together(sequence.as_ref(), configs.clone(), &clock, &look, &mut || frames += 1).unwrap();
+        assert_eq!(frames, 2);
+        for (config, together) in configs.into_iter().zip(together) {
+            let dir = tempfile::tempdir().unwrap();
+            let (folder, _) = ResultsFolder::open(dir.path()).unwrap();
+            let mut single = Bits::default();
+            evaluate(&Plan::new(config).unwrap(), &clock, &folder, &mut [&mut single]).unwrap();
+            assert!(single.0 == together);
+        }
+    }
+
+    #[test]
+    fn more_than_one_method_in_a_run_is_refused() {
+        let mut config = config("cost-curve", "stereo.window=9");
+        config.run.methods.push("winner-take-all".into());
+        let sequence = crate::open_dataset("synth:street").unwrap();
+        let look = |_: &Mapped<'_>| Ok(());
+        let clock = RealClock::default();
+        let error = map_together(sequence.as_ref(), vec![config], &clock, &look, &mut || {}).unwrap_err();
+        assert!(error.to_string().contains("expected one method"), "{error}");
+    }
+}

@@ -1,0 +1,157 @@
+//! Figs 8 and 9: maps of a real drive against the laser, as tables, pictures and recordings.
+
+use anyhow::Result;
+use evigrid_eval::{Config, Method, Observer, Plan, ResultsFolder, evaluate, map_together};
+use evigrid_metrics::Counts;
+
+use super::drive::{self, Drive};
+use super::job::Job;
+use super::methods::{self, Reading};
+use super::top_view::TopView;
+use crate::chart::Sheet;
+use crate::table::rounded;
+
+/// A map of the drive.
+struct DriveMap {
+    reading: Reading,
+    counts: Counts,
+    view: TopView,
+}
+
+pub fn fig8(job: &mut Job<'_, '_>) -> Result<()> {
+    let mut readings = vec![methods::winner_take_all(3.0, "the best peak ratio")];
+    readings.extend(methods::quick_whole_curve("more hits than winner-take-all, fewer mistakes"));
+    make(job, &readings, "Fig. 8: winner-take-all with peak ratio 3, and the whole cost curve")
+}
+
+pub fn fig9(job: &mut Job<'_, '_>) -> Result<()> {
+    let readings = [methods::winner_take_all(1.5, "many mistakes")];
+    make(job, &readings, "Fig. 9: winner-take-all with peak ratio 1.5")
+}
+
+fn make(job: &mut Job<'_, '_>, readings: &[Reading], title: &str) -> Result<()> {
+    let drive = drive::require(job)?;
+    let (id, maps) = drive_maps(job, &drive, readings)?;
+    let header = [
+        "dataset",
+        "frames",
+        "map",
+        "settings",
+        "hits",
+        "mistakes",
+        "missed",
+        "precision",
+        "recall",
+        "f1",
+        "paper",
+    ];
+    job.write_table(&header, maps.iter().map(|map| row(map, &id, &drive.frames)))?;
+    let end_m = maps.iter().map(|map| map.view.end_m()).fold(1.0, f64::max);
+    job.write_picture(&Sheet {
+        title: format!("{title}: {id}, frames {}", drive.frames),
+        notes: vec![
+            "from above; green: most occupied cells of the column are occupied for the laser too, orange: mistakes, \
+             grey: missed"
+                .into(),
+            format!("the paper, on other drives: {}", readings[0].paper_of(readings.last())),
+        ],
+        columns: 1,
+        panel: (1100, 190),
+        panels: maps.iter().map(|map| map.view.panel(map.caption(), end_m)).collect(),
+    })?;
+    record(job, &drive, readings)
+}
+
+impl Reading {
+    /// What the paper says of this one and another, in a line.
+    fn paper_of(&self, other: Option<&Self>) -> String {
+        let other = other.filter(|o| o.name != self.name);
+        let other = other.map(|o| format!("; whole curve: {}", o.paper)).unwrap_or_default();
+        format!("{}: {}{other}", self.name, self.paper)
+    }
+}
+
+impl DriveMap {
+    fn caption(&self) -> String {
+        let Counts { hits, mistakes, .. } = self.counts;
+        format!("{}: {hits} hits, {mistakes} mistakes, F1 {:.3}", self.reading.name, self.counts.f1())
+    }
+}
+
+/// Name of the drive, and one map for each reading.
+fn drive_maps(job: &mut Job<'_, '_>, drive: &Drive, readings: &[Reading]) -> Result<(String, Vec<DriveMap>)> {
+    let sequence = evigrid_replay::open(&drive.dir)?;
+    let id = sequence.info().id.clone();
+    job.say(&format!("{} maps of {id}, frames {}", readings.len(), drive.frames));
+    let base = [format!("run.frames={}", drive.frames)];
+    let configs: Result<Vec<_>> = readings.iter().map(|reading| reading.config(&base)).collect();
+    let look = |mapped: &evigrid_eval::Mapped<'_>| {
+        let nothing = vec![false; mapped.info.spec.cell_count()];
+        let truth = mapped.truth.map_or(&nothing[..], |truth| truth.occupied());
+        let counts = mapped.result.scores.as_ref().map(|s| s.counts).unwrap_or_default();
+        Ok((counts, TopView::new(&mapped.info.spec, mapped.map.values(), truth)))
+    };
+    let found = map_together(sequence.as_ref(), configs?, job.tools.clock, &look, &mut || {})?;
+    let maps = readings.iter().cloned().zip(found);
+    Ok((id, maps.map(|(reading, (counts, view))| DriveMap { reading, counts, view }).collect()))
+}
+
+fn row(map: &DriveMap, id: &str, frames: &str) -> [String; 11] {
+    let counts = &map.counts;
+    let [precision, recall, f1] = [counts.precision(), counts.recall(), counts.f1()].map(|v| rounded(v, 4));
+    [
+        id.to_owned(),
+        frames.to_owned(),
+        map.reading.name.clone(),
+        map.reading.sets.join(" "),
+        counts.hits.to_string(),
+        counts.mistakes.to_string(),
+        counts.missed().to_string(),
+        precision,
+        recall,
+        f1,
+        map.reading.paper.to_owned(),
+    ]
+}
+
+/// Runs the first reading of every method once more, with a recording.
+fn record(job: &mut Job<'_, '_>, drive: &Drive, readings: &[Reading]) -> Result<()> {
+    let dir = job.dir();
+    // Locked, and with nothing of an earlier run that was killed: the recording's temporary name must be free.
+    let (folder, _) = ResultsFolder::open(&dir)?;
+    let path = dir.join(format!("{}.rrd", job.item()));
+    remove_if_there(&path.with_extension("rrd.partial"))?;
+    let Some(mut recorder) = (job.tools.recorder)(path.clone())? else { return Ok(()) };
+    job.say("recording");
+    let mut config = recorded(readings, drive)?;
+    config.run.dataset = drive.dir.display().to_string();
+    let plan = Plan::new(config)?;
+    let mut observers: [&mut dyn Observer; 1] = [recorder.as_mut()];
+    evaluate(&plan, job.tools.clock, &folder, &mut observers)?;
+    job.files.push(path);
+    Ok(())
+}
+
+/// One run of all methods, each as its first reading.
+fn recorded(readings: &[Reading], drive: &Drive) -> Result<Config> {
+    let mut methods: Vec<Method> = Vec::new();
+    let mut sets = vec![format!("run.frames={}", drive.frames)];
+    for reading in readings {
+        if !methods.contains(&reading.method) {
+            methods.push(reading.method);
+            sets.extend(reading.sets.iter().cloned());
+        }
+    }
+    let mut config = Config::load(None, &sets)?;
+    config.run.methods = methods.iter().map(|m| m.name().to_owned()).collect();
+    Ok(config)
+}
+
+fn remove_if_there(path: &std::path::Path) -> Result<()> {
+    match std::fs::remove_file(path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+            Err(anyhow::anyhow!("cannot remove {}: {e}", path.display()))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,111 @@
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use evigrid_replay::DatasetInfo;
+
+use crate::chart::Sheet;
+use crate::table::csv_text;
+use crate::{Folders, Tools, write_file};
+
+/// Data that an item needs and that are not there.
+#[derive(Debug)]
+pub struct Missing(String);
+
+impl std::fmt::Display for Missing {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Missing {}
+
+/// One item at work: where it reads and writes, and what it has written.
+pub struct Job<'a, 'b> {
+    pub folders: &'a Folders,
+    pub tools: &'a mut Tools<'b>,
+    pub files: Vec<PathBuf>,
+    item: &'static str,
+}
+
+impl<'a, 'b> Job<'a, 'b> {
+    pub fn new(folders: &'a Folders, tools: &'a mut Tools<'b>) -> Self {
+        Self { folders, tools, files: Vec::new(), item: "" }
+    }
+
+    /// The next item.
+    pub fn begin(&mut self, item: &'static str) {
+        self.item = item;
+        self.say("");
+    }
+
+    /// Tells what is being done.
+    pub fn say(&mut self, what: &str) {
+        let text = if what.is_empty() { self.item.to_owned() } else { format!("{}: {what}", self.item) };
+        (self.tools.report)(&text);
+    }
+
+    /// Name of the item.
+    pub fn item(&self) -> &'static str {
+        self.item
+    }
+
+    /// The group's folder.
+    pub fn dir(&self) -> PathBuf {
+        self.folders.out.join("brandao")
+    }
+
+    /// Writes the item's table.
+    pub fn write_table<R>(&mut self, header: &[&str], rows: impl IntoIterator<Item = R>) -> Result<()>
+    where
+        R: IntoIterator<Item = String>,
+    {
+        let text = csv_text(header, rows)?;
+        self.write(&format!("{}.csv", self.item), &text)
+    }
+
+    /// Writes one more table of the item, ITEM.NAME.csv.
+    pub fn write_more<R>(
+        &mut self,
+        name: &str,
+        header: &[&str],
+        rows: impl IntoIterator<Item = R>,
+    ) -> Result<()>
+    where
+        R: IntoIterator<Item = String>,
+    {
+        let text = csv_text(header, rows)?;
+        self.write(&format!("{}.{name}.csv", self.item), &text)
+    }
+
+    /// Writes the item's picture.
+    pub fn write_picture(&mut self, sheet: &Sheet) -> Result<()> {
+        let text = sheet.draw()?;
+        self.write(&format!("{}.svg", self.item), &text)
+    }
+
+    fn write(&mut self, name: &str, text: &str) -> Result<()> {
+        let path = self.dir().join(name);
+        write_file(&path, text.as_bytes())?;
+        self.files.push(path);
+        Ok(())
+    }
+
+    /// The folder of a data set that the project knows, if it is there.
+    pub fn dataset(&self, id: &str) -> Result<Option<(DatasetInfo, PathBuf)>> {
+        let known = evigrid_replay::find_dataset(id)?;
+        let known = known.with_context(|| format!("no data set {id} in datasets/"))?;
+        let dir = known.dir_below(&self.folders.data);
+        Ok(dir.exists().then_some((known, dir)))
+    }
+
+    /// What to say where it is not.
+    pub fn missing(&self, id: &str) -> anyhow::Error {
+        let data = self.folders.data.display();
+        Missing(format!(
+            "brandao/{} needs the data set {id}, found none below {data} \
+             (scripts/download_datasets.sh {id} {data} fetches it)",
+            self.item
+        ))
+        .into()
+    }
+}

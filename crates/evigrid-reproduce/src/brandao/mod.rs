@@ -1,0 +1,70 @@
+//! The figures and the table of Brandao, Ferreira, Hashimoto, Santos-Victor, Takanishi: "Integrating the whole cost-curve
+//! of stereo into occupancy grids". Each item becomes ITEM.csv and ITEM.svg, with what the paper says beside ours.
+
+mod bar_maps;
+mod bar_picture;
+mod bar_score;
+mod bars;
+mod drive;
+mod drive_maps;
+mod fig1;
+mod fig10;
+mod fig2;
+mod fig3;
+mod fig4;
+mod fig5;
+mod job;
+mod methods;
+mod moments;
+mod ray;
+mod table1;
+mod top_view;
+
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use evigrid_core::name_hint;
+
+use crate::{Folders, Tools};
+use job::{Job, Missing};
+
+/// What makes an item.
+type Make = fn(&mut Job<'_, '_>) -> Result<()>;
+
+/// All items, in the order of the paper. (Fig. 7 is a photograph and the laser's reference.)
+const ITEMS: [(&str, Make); 10] = [
+    ("fig1", fig1::make),
+    ("fig2", fig2::make),
+    ("fig3", fig3::make),
+    ("fig4", fig4::make),
+    ("fig5", fig5::whole_curve),
+    ("fig6", fig5::winner_take_all),
+    ("fig8", drive_maps::fig8),
+    ("fig9", drive_maps::fig9),
+    ("fig10", fig10::make),
+    ("table1", table1::make),
+];
+
+/// Makes one item or all of them; of all, those whose data are not there are left out and named.
+pub fn reproduce(item: Option<&str>, folders: &Folders, tools: &mut Tools<'_>) -> Result<Vec<PathBuf>> {
+    let mut job = Job::new(folders, tools);
+    if let Some(item) = item {
+        let Some((name, make)) = ITEMS.iter().find(|(name, _)| *name == item) else {
+            bail!(
+                "reproduce: unknown item `brandao/{item}`{}",
+                name_hint(item, ITEMS.iter().map(|(name, _)| *name))
+            );
+        };
+        job.begin(name);
+        make(&mut job)?;
+        return Ok(job.files);
+    }
+    for (name, make) in ITEMS {
+        job.begin(name);
+        match make(&mut job) {
+            Err(error) if error.is::<Missing>() => log::warn!("{name} is left out: {error}"),
+            result => result?,
+        }
+    }
+    Ok(job.files)
+}

@@ -1,0 +1,303 @@
+//! Table I: how long matching and the inverse sensor model take.
+
+use anyhow::{Context, Result};
+use evigrid_core::{Frame, GrayImage, Pose, StereoRig};
+use evigrid_eval::{Clock, Config};
+use evigrid_grid::{GridSpec, View};
+use evigrid_replay::Sequence;
+use evigrid_stereo::BlockMatcher;
+use evigrid_synth::{SyntheticSequence, World};
+
+use super::bars::WORLD;
+use super::job::Job;
+use super::methods::{self, Reading};
+use crate::chart::{Axis, BLUE, Corner, GREY, Marks, ORANGE, Panel, Series, Sheet, rectangle};
+use crate::table::rounded;
+
+/// An image size of the table, with the paper's seconds: matching, and the inverse model of both methods.
+#[derive(Debug, Clone, Copy)]
+struct Size {
+    /// The frame is rendered at 640x480; means over squares of so many pixels make it smaller.
+    shrink: usize,
+    disparities: usize,
+    paper_matching_s: f64,
+    paper_winner_s: f64,
+    paper_whole_s: f64,
+}
+
+const SIZES: [Size; 2] = [
+    Size { shrink: 2, disparities: 32, paper_matching_s: 0.04, paper_winner_s: 0.02, paper_whole_s: 0.06 },
+    Size { shrink: 1, disparities: 64, paper_matching_s: 0.20, paper_winner_s: 0.12, paper_whole_s: 0.16 },
+];
+
+/// Timed runs, after one that is not; the median counts.
+const REPETITIONS: usize = 9;
+/// The frame of the world, which looks at the bars squarely.
+const FRAME: usize = 10;
+
+/// One cell of the table.
+struct Timing {
+    size: (usize, usize),
+    disparities: usize,
+    task: &'static str,
+    method: String,
+    threads: usize,
+    seconds: f64,
+    /// The fastest run, which other work on the machine disturbs least.
+    fastest_s: f64,
+    paper_s: f64,
+}
+
+pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
+    let timings = measure(job, &SIZES, REPETITIONS)?;
+    let header = [
+        "width",
+        "height",
+        "disparities",
+        "task",
+        "method",
+        "threads",
+        "median_seconds",
+        "fastest_seconds",
+        "paper_seconds_one_core_of_2.7_ghz",
+    ];
+    job.write_table(&header, timings.iter().map(Timing::row))?;
+    job.write_picture(&picture(&timings))
+}
+
+/// All sizes with one thread and with all, every method.
+fn measure(job: &mut Job<'_, '_>, sizes: &[Size], repetitions: usize) -> Result<Vec<Timing>> {
+    let sequence = SyntheticSequence::new(World::builtin(WORLD)?);
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut threads = vec![1, all];
+    threads.dedup();
+    let mut timings = Vec::new();
+    for size in sizes {
+        let frame = shrunk(&sequence.frame(FRAME, &Pose::identity())?, size.shrink)?;
+        for &threads in &threads {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+            job.say(&format!("{}x{}, {threads} threads", frame.rig().width, frame.rig().height));
+            let stopwatch = Stopwatch { clock: job.tools.clock, repetitions, threads };
+            timings.extend(pool.install(|| stopwatch.time_size(size, &frame))?);
+        }
+    }
+    Ok(timings)
+}
+
+/// What times one size.
+struct Stopwatch<'a> {
+    clock: &'a dyn Clock,
+    repetitions: usize,
+    threads: usize,
+}
+
+impl Stopwatch<'_> {
+    fn time_size(&self, size: &Size, frame: &Frame) -> Result<Vec<Timing>> {
+        let mut timings = Vec::new();
+        let winner = methods::winner_take_all(1.5, "");
+        for reading in std::iter::once(winner).chain(methods::quick_whole_curve("")) {
+            let config = reading.config(&[format!("stereo.disparities={}", size.disparities)])?;
+            timings.extend(self.time_method(size, frame, &reading, &config)?);
+        }
+        Ok(timings)
+    }
+
+    fn time_method(
+        &self,
+        size: &Size,
+        frame: &Frame,
+        reading: &Reading,
+        config: &Config,
+    ) -> Result<[Timing; 2]> {
+        let mut mapper = reading.method.build(GridSpec::new(&config.grid)?, config)?;
+        let keep_volume = mapper.needs_volume();
+        let mut matcher = BlockMatcher::new(config.stereo)?;
+        let mut last = None;
+        let matching_s = self.time(|| {
+            last = Some(matcher.run(frame.left(), frame.right(), keep_volume, last.take())?);
+            Ok(())
+        })?;
+        let matching = last.context("nothing was matched")?;
+        let view = View {
+            rig: frame.rig(),
+            map_from_left: frame.map_from_left(),
+            left: frame.left(),
+            right: frame.right(),
+            matches: &matching.matches,
+            volume: matching.volume.as_ref(),
+        };
+        let model_s = self.time(|| {
+            mapper.integrate(&view);
+            Ok(())
+        })?;
+        let timing = |task, [seconds, fastest_s]: [f64; 2], paper_s| Timing {
+            size: (frame.rig().width, frame.rig().height),
+            disparities: size.disparities,
+            task,
+            method: reading.name.clone(),
+            threads: self.threads,
+            seconds,
+            fastest_s,
+            paper_s,
+        };
+        let paper_s = if keep_volume { size.paper_whole_s } else { size.paper_winner_s };
+        Ok([timing("matching", matching_s, size.paper_matching_s), timing("inverse model", model_s, paper_s)])
+    }
+
+    /// Seconds of the median and of the fastest run.
+    fn time(&self, mut run: impl FnMut() -> Result<()>) -> Result<[f64; 2]> {
+        run()?;
+        let mut times = Vec::new();
+        for _ in 0..self.repetitions {
+            let start = self.clock.now_ms();
+            run()?;
+            times.push((self.clock.now_ms() - start) / 1e3);
+        }
+        times.sort_by(f64::total_cmp);
+        Ok([times.len() / 2, 0].map(|at| times.get(at).copied().unwrap_or(f64::NAN)))
+    }
+}
+
+/// The frame with every pixel the mean of a square of the original's.
+fn shrunk(frame: &Frame, by: usize) -> Result<Frame> {
+    let rig = *frame.rig();
+    let n = by as f64;
+    // Pixel centres are whole numbers: the square of pixel 0 has its centre at (n - 1) / 2.
+    let centre = |pixel: f64| (pixel - (n - 1.0) / 2.0) / n;
+    let small = StereoRig {
+        width: rig.width / by,
+        height: rig.height / by,
+        focal_px: rig.focal_px / n,
+        centre_x_px: centre(rig.centre_x_px),
+        centre_y_px: centre(rig.centre_y_px),
+        ..rig
+    };
+    let image = |image: &GrayImage| {
+        let mean = |x: usize, y: usize| {
+            let rows = (0..by).flat_map(|i| &image.row(y * by + i)[x * by..(x + 1) * by]);
+            let sum: usize = rows.map(|&grey| usize::from(grey)).sum();
+            ((sum + by * by / 2) / (by * by)) as u8
+        };
+        let pixels = (0..small.height).flat_map(|y| (0..small.width).map(move |x| mean(x, y)));
+        GrayImage::new(small.width, small.height, pixels.collect())
+    };
+    let (left, right) = (image(frame.left())?, image(frame.right())?);
+    Ok(Frame::new(frame.index(), frame.stamp_ns(), small, left, right, *frame.map_from_left(), None)?)
+}
+
+impl Timing {
+    fn row(&self) -> [String; 9] {
+        [
+            self.size.0.to_string(),
+            self.size.1.to_string(),
+            self.disparities.to_string(),
+            self.task.to_owned(),
+            self.method.clone(),
+            self.threads.to_string(),
+            rounded(self.seconds, 5),
+            rounded(self.fastest_s, 5),
+            self.paper_s.to_string(),
+        ]
+    }
+}
+
+fn picture(timings: &[Timing]) -> Sheet {
+    let mut panels = Vec::new();
+    for size in SIZES {
+        let here: Vec<&Timing> = timings.iter().filter(|t| t.disparities == size.disparities).collect();
+        if !here.is_empty() {
+            panels.push(panel(&here));
+        }
+    }
+    Sheet {
+        title: "Table I: time for one stereo pair".into(),
+        notes: vec![
+            format!("median of {REPETITIONS}; frame {FRAME} of the world `{WORLD}`, grid of 800x50x20 cells; the paper: one core at 2.7 GHz"),
+            "matching: SAD 7x7 with peak ratio and left-right difference; inverse model: with drawing and fusion".into(),
+        ],
+        columns: 1,
+        panel: (1000, 460),
+        panels,
+    }
+}
+
+/// Three bars per task and method: one thread, all threads, the paper. The first method is on top.
+fn panel(timings: &[&Timing]) -> Panel {
+    let most = timings.iter().map(|t| t.threads).max().unwrap_or(1);
+    let single: Vec<&&Timing> = timings.iter().filter(|t| t.threads == 1).rev().collect();
+    let mut bars: [Vec<Vec<(f64, f64)>>; 3] = Default::default();
+    for (at, timing) in single.iter().enumerate() {
+        let same = |t: &&&Timing| t.threads == most && t.task == timing.task && t.method == timing.method;
+        let all = timings.iter().find(same).map_or(f64::NAN, |t| t.seconds);
+        for (k, seconds) in [timing.seconds, all, timing.paper_s].into_iter().enumerate() {
+            let top = at as f64 + 0.36 - 0.24 * k as f64;
+            bars[k].push(rectangle([0.0, 1e3 * seconds], [top - 0.22, top]));
+        }
+    }
+    let longest = bars.iter().flatten().flatten().map(|p| p.0).fold(0.0, f64::max);
+    let [one, all, paper] = bars;
+    let (width, height) = timings[0].size;
+    Panel {
+        title: format!("{width}x{height}, {} disparities", timings[0].disparities),
+        x: Axis::new("milliseconds", 0.0, 1.1 * longest),
+        y: Axis {
+            label: String::new(),
+            range: [-0.5, single.len() as f64 - 0.5],
+            names: single.iter().map(|t| format!("{}: {}", t.method, t.task)).collect(),
+        },
+        series: vec![
+            Series::new("one thread", BLUE, Marks::Areas(one)),
+            Series::new(format!("{most} threads"), ORANGE, Marks::Areas(all)),
+            Series::new("the paper, one core", GREY, Marks::Areas(paper)),
+        ],
+        legend: Some(Corner::UpperRight),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A clock that moves on by one, two, three ... milliseconds.
+    #[derive(Default)]
+    struct Counting(std::sync::atomic::AtomicU32);
+
+    impl Clock for Counting {
+        fn now_ms(&self) -> f64 {
+            let n = f64::from(self.0.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
+            0.5 * n * (n + 1.0)
+        }
+    }
+
+    #[test]
+    fn the_median_and_the_fastest_count_and_the_first_run_does_not() {
+        let (clock, mut runs) = (Counting::default(), 0);
+        let stopwatch = Stopwatch { clock: &clock, repetitions: 3, threads: 1 };
+        let times = stopwatch.time(|| {
+            runs += 1;
+            Ok(())
+        });
+        // Between readings 0 and 1, 2 and 3, 4 and 5: 1, 3 and 5 ms.
+        assert_eq!((times.unwrap(), runs), ([0.003, 0.001], 4));
+    }
+
+    #[test]
+    fn a_shrunk_frame_sees_the_same_directions() {
+        let rig = StereoRig {
+            width: 4,
+            height: 2,
+            focal_px: 6.0,
+            centre_x_px: 1.5,
+            centre_y_px: 0.5,
+            baseline_m: 0.1,
+        };
+        let image = GrayImage::new(4, 2, vec![1, 2, 10, 10, 3, 4, 10, 12]).unwrap();
+        let frame = Frame::new(0, 0, rig, image.clone(), image, Pose::identity(), None).unwrap();
+        let small = shrunk(&frame, 2).unwrap();
+        // Means 2.5 and 10.5, rounded up.
+        assert_eq!(small.left().pixels(), [3, 11]);
+        // The corner between the four pixels of a square is where the small pixel looks.
+        let (a, b) = (frame.rig().ray(0.5, 0.5), small.rig().ray(0.0, 0.0));
+        assert!((a - b).norm() < 1e-12, "{a} {b}");
+    }
+}
