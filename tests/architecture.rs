@@ -40,7 +40,7 @@ fn reachable(graph: &Graph, from: &str) -> BTreeSet<String> {
     seen
 }
 
-const MAPPING: [&str; 1] = ["evigrid-cost-curve"];
+const MAPPING: [&str; 2] = ["evigrid-cost-curve", "evigrid-inverse-model"];
 
 #[test]
 fn no_method_can_read_the_answer() {

@@ -141,7 +141,7 @@ fn offer(look: &Look, evidence: &FrameEvidence) {
     for (cell, sum) in look.sections.cells.iter().zip(&look.sums) {
         let Some(flat) = cell.flat else { continue };
         let log_odds = (0.5 + 0.5 * (sum * per_pixel).exp()).ln();
-        if log_odds.abs() >= PRIOR_TOLERANCE as f32 {
+        if log_odds.abs() >= PRIOR_TOLERANCE {
             evidence.offer(flat, FrameEvidence::key(log_odds));
         }
     }

@@ -3,6 +3,9 @@ use std::path::Path;
 use evigrid_core::name_hint;
 use evigrid_cost_curve::{CostCurveBayesSettings, CostCurveSettings, WinnerTakeAllSettings};
 use evigrid_grid::GridSettings;
+use evigrid_inverse_model::{
+    LinePyramidSettings, LineSettings, RayPyramidSettings, RaySettings, SouzaSettings,
+};
 use evigrid_stereo::BlockMatchingSettings;
 use evigrid_truth::TruthSettings;
 use schemars::JsonSchema;
@@ -36,6 +39,18 @@ pub struct Config {
     /// Method `cost-curve-bayes`.
     #[serde(rename = "cost-curve-bayes")]
     pub cost_curve_bayes: CostCurveBayesSettings,
+    /// Method `line`.
+    pub line: LineSettings,
+    /// Method `line-pyramid`.
+    #[serde(rename = "line-pyramid")]
+    pub line_pyramid: LinePyramidSettings,
+    /// Method `ray`.
+    pub ray: RaySettings,
+    /// Method `ray-pyramid`.
+    #[serde(rename = "ray-pyramid")]
+    pub ray_pyramid: RayPyramidSettings,
+    /// Method `souza`.
+    pub souza: SouzaSettings,
 }
 
 /// What is run on what.

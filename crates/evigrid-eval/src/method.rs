@@ -3,6 +3,7 @@ use evigrid_cost_curve::{
     CostCurve, CostCurveBayes, CostScale, PeakRatios, WinnerTakeAll, WinnerTakeAllSettings,
 };
 use evigrid_grid::{GridSpec, Mapper, MapperFamily};
+use evigrid_inverse_model::InverseModelMapper;
 
 use crate::{Config, RunInfo};
 
@@ -15,11 +16,30 @@ pub enum Method {
     CostCurve,
     /// Brandao et al. by Bayes' rule: the project's own.
     CostCurveBayes,
+    /// Andert 2009, section V-A.
+    Line,
+    /// Andert 2009, section VI-B.
+    LinePyramid,
+    /// Andert 2009, section V-B.
+    Ray,
+    /// Andert 2009, section VI-C.
+    RayPyramid,
+    /// Souza et al. 2012.
+    Souza,
 }
 
 impl Method {
     /// All methods, in the order in which they are listed.
-    pub const ALL: [Self; 3] = [Self::WinnerTakeAll, Self::CostCurve, Self::CostCurveBayes];
+    pub const ALL: [Self; 8] = [
+        Self::WinnerTakeAll,
+        Self::CostCurve,
+        Self::CostCurveBayes,
+        Self::Line,
+        Self::LinePyramid,
+        Self::Ray,
+        Self::RayPyramid,
+        Self::Souza,
+    ];
 
     /// The name on the command line, in tables and as the section of its settings.
     pub fn name(self) -> &'static str {
@@ -27,6 +47,11 @@ impl Method {
             Self::WinnerTakeAll => "winner-take-all",
             Self::CostCurve => "cost-curve",
             Self::CostCurveBayes => "cost-curve-bayes",
+            Self::Line => "line",
+            Self::LinePyramid => "line-pyramid",
+            Self::Ray => "ray",
+            Self::RayPyramid => "ray-pyramid",
+            Self::Souza => "souza",
         }
     }
 
@@ -42,16 +67,25 @@ impl Method {
             Self::CostCurveBayes => {
                 "the same evidence by Bayes' rule, with a realistic prior and looks instead of pixels: our own"
             }
+            Self::Line => "a line per pixel, free up to what was measured and occupied there: Andert 2009",
+            Self::LinePyramid => {
+                "the same with as few lines as the cells allow, from an image pyramid: Andert 2009"
+            }
+            Self::Ray => "per cell the nearest that is seen in the pixels around its image: Andert 2009",
+            Self::RayPyramid => "the same in four pixels of an image pyramid: Andert 2009",
+            Self::Souza => {
+                "lines whose profile is widened by the error of the platform's motion: Souza, Maia, Goncalves 2012"
+            }
         }
     }
 
     /// What a data set must have for it.
     pub fn needs(self) -> &'static str {
         match self {
-            Self::WinnerTakeAll => "stereo pairs, calibration and poses",
             Self::CostCurve | Self::CostCurveBayes => {
                 "stereo pairs, calibration and poses; matching costs, so no disparities from elsewhere"
             }
+            _ => "stereo pairs, calibration and poses",
         }
     }
 
@@ -76,6 +110,11 @@ impl Method {
             Self::CostCurveBayes => {
                 Box::new(CostCurveBayes::new(spec, config.cost_curve_bayes, cost_scale(config))?)
             }
+            Self::Line => Box::new(InverseModelMapper::line(spec, config.line)?),
+            Self::LinePyramid => Box::new(InverseModelMapper::line_pyramid(spec, config.line_pyramid)?),
+            Self::Ray => Box::new(InverseModelMapper::ray(spec, config.ray)?),
+            Self::RayPyramid => Box::new(InverseModelMapper::ray_pyramid(spec, config.ray_pyramid)?),
+            Self::Souza => Box::new(InverseModelMapper::souza(spec, config.souza)?),
         })
     }
 }
@@ -135,6 +174,6 @@ fn share_drawing(a: &(usize, Method, &RunInfo), b: &(usize, Method, &RunInfo)) -
     a.1 == b.1
         && match a.1 {
             Method::WinnerTakeAll => a.2.spec == b.2.spec && settings(a.2) == settings(b.2),
-            Method::CostCurve | Method::CostCurveBayes => false,
+            _ => false,
         }
 }

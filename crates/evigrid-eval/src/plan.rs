@@ -48,6 +48,11 @@ pub(crate) fn check_settings(config: &Config) -> Result<Vec<Method>> {
     config.truth.checked()?;
     config.winner_take_all.checked()?;
     config.cost_curve.checked()?;
+    config.line.checked()?;
+    config.line_pyramid.checked()?;
+    config.ray.checked()?;
+    config.ray_pyramid.checked()?;
+    config.souza.checked()?;
     let elsewhere = &config.input.disparity_dir;
     if let Some(method) = methods.iter().find(|m| m.needs_costs() && !elsewhere.is_empty()) {
         let name = method.name();

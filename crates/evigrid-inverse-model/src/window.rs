@@ -1,0 +1,92 @@
+//! The pixels that a cell is seen in (Andert 2009, section V-B, step 2c).
+
+use nalgebra::{Matrix3, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::camera::Camera;
+
+/// The cube whose image is searched for the largest disparity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum WindowCube {
+    /// The cell itself.
+    Cell,
+    /// A cube of 1 m around the cell's centre, whatever the cell size: the counts of Table I can only come from that.
+    Metre,
+}
+
+/// From places relative to the camera to the image.
+#[derive(Debug, Clone)]
+pub(crate) struct Projection {
+    /// (x z, y z, z) of a place: image point (x, y), depth z.
+    pub matrix: Matrix3<f64>,
+    /// The same of the cube's corners relative to its centre: x z, y z and z of all eight.
+    corners: [[f64; 8]; 3],
+    /// Half the cube's extent in depth, metres.
+    half_depth_m: f64,
+    /// Last column and row.
+    last: [f64; 2],
+}
+
+/// First and last column, first and last row.
+pub(crate) type Window = [[usize; 2]; 2];
+
+impl Projection {
+    /// `edge`: of the cube, in cells.
+    pub fn new(camera: &Camera<'_>, edge: f64) -> Self {
+        let matrix = camera.projection();
+        let half =
+            |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -0.5 * edge } else { 0.5 * edge };
+        let corner = |n: usize| matrix * Vector3::from_fn(|a, _| half(n, a));
+        let corners = std::array::from_fn(|row| std::array::from_fn(|n| corner(n)[row]));
+        let last = [camera.rig.width, camera.rig.height].map(|size| (size - 1) as f64);
+        let half_depth_m = (0..8).map(|n| corner(n).z).fold(0.0, f64::max);
+        Self { matrix, corners, half_depth_m, last }
+    }
+
+    /// The image point of a place, if it lies in the image: within half a pixel of its outermost pixels.
+    #[inline(always)]
+    pub fn image_point(&self, place: &Vector3<f64>) -> Option<[f64; 2]> {
+        if place.z <= 0.0 {
+            return None;
+        }
+        let point = [place.x / place.z, place.y / place.z];
+        let inside = |v: f64, last: f64| (v >= -0.5) & (v < last + 0.5);
+        (inside(point[0], self.last[0]) & inside(point[1], self.last[1])).then_some(point)
+    }
+
+    /// The pixels within the rectangle around the images of the eight corners, cut to the image; the whole image if a
+    /// corner lies at or behind the camera's plane. `None` if no pixel lies in it.
+    #[inline(always)]
+    pub fn window(&self, place: &Vector3<f64>) -> Option<Window> {
+        if place.z <= self.half_depth_m {
+            return Some(self.last.map(|last| [0, last as usize]));
+        }
+        let [xs, ys, zs] = &self.corners;
+        let inverse: [f64; 8] = std::array::from_fn(|n| 1.0 / (place.z + zs[n]));
+        let x = span(&std::array::from_fn(|n| (place.x + xs[n]) * inverse[n]));
+        let y = span(&std::array::from_fn(|n| (place.y + ys[n]) * inverse[n]));
+        Some([cut(x, self.last[0])?, cut(y, self.last[1])?])
+    }
+}
+
+/// The smallest and the largest of eight numbers.
+#[inline(always)]
+fn span(values: &[f64; 8]) -> [f64; 2] {
+    let (mut low, mut high) = (*values, *values);
+    for half in [4, 2, 1] {
+        for n in 0..half {
+            low[n] = if low[n + half] < low[n] { low[n + half] } else { low[n] };
+            high[n] = if high[n + half] > high[n] { high[n + half] } else { high[n] };
+        }
+    }
+    [low[0], high[0]]
+}
+
+/// The whole numbers nearest to the ends of an interval and those between, from 0 to `last`.
+#[inline(always)]
+fn cut([low, high]: [f64; 2], last: f64) -> Option<[usize; 2]> {
+    let (low, high) = ((low + 0.5).max(0.0), (high + 0.5).min(last + 0.5));
+    (low <= high).then_some([low as usize, (high as usize).min(last as usize)])
+}

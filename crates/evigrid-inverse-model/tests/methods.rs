@@ -1,0 +1,262 @@
+//! What all methods must do alike: fusion, filters, threads, empty and hostile input.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod common;
+
+use common::{RIG, Shot, level_camera, shot, spec};
+use evigrid_core::{Disparity, Pose};
+use evigrid_grid::{GridSettings, GridSpec, LogOddsGrid, Mapper, logit};
+use evigrid_inverse_model::{
+    BlurKind, InverseModelMapper, LinePyramidSettings, LineSettings, NearPixels, RayPyramidSettings,
+    RaySettings, SettingError, SouzaSettings,
+};
+use nalgebra::{UnitQuaternion, Vector3};
+use proptest::prelude::*;
+
+const N: usize = 21 * 15;
+
+/// One mapper of each method.
+fn all(spec: GridSpec) -> [InverseModelMapper; 5] {
+    [
+        InverseModelMapper::line(spec, LineSettings::default()).unwrap(),
+        InverseModelMapper::line_pyramid(spec, LinePyramidSettings::default()).unwrap(),
+        InverseModelMapper::ray(spec, RaySettings::default()).unwrap(),
+        InverseModelMapper::ray_pyramid(spec, RayPyramidSettings::default()).unwrap(),
+        InverseModelMapper::souza(spec, SouzaSettings::default()).unwrap(),
+    ]
+}
+
+fn bits(map: &LogOddsGrid) -> Vec<u32> {
+    map.values().iter().map(|l| l.to_bits()).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(20))]
+    #[test]
+    fn images_add_up_and_threads_change_nothing(shots in prop::collection::vec(shot(), 1..4)) {
+        let pools = [1, 2, 3].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
+        for method in 0..4 {
+            let mut sum = vec![f32::NAN; spec().cell_count()];
+            let mut single = all(spec());
+            for shot in &shots {
+                let (image, _) = shot.with(|view| single[method].single_image(view));
+                for (cell, l) in image.touched() {
+                    let before = if sum[cell].is_nan() { 0.0 } else { sum[cell] };
+                    sum[cell] = (before + l).clamp(-5.0, 5.0);
+                }
+            }
+            for pool in &pools {
+                let mut mappers = all(spec());
+                for shot in &shots {
+                    pool.install(|| shot.with(|view| mappers[method].integrate(view)));
+                }
+                let found = mappers[method].map();
+                prop_assert_eq!(bits(found), sum.iter().map(|l| l.to_bits()).collect::<Vec<_>>());
+            }
+        }
+    }
+}
+
+fn wall(depth_m: f64) -> Shot {
+    let pose = Pose::from_parts(Vector3::new(0.1, 0.1, 0.1).into(), level_camera());
+    Shot::of(pose, vec![RIG.disparity_px(depth_m) as f32; N])
+}
+
+/// A wall fills the image: what lies on the camera's axis is free up to it, occupied there, and behind it no method
+/// says that it is free.
+#[test]
+fn a_wall_by_geometry() {
+    for (method, mut mapper) in all(spec()).into_iter().enumerate() {
+        wall(6.1).with(|view| mapper.integrate(view));
+        for i in 3..spec().shape()[0] {
+            let cell = spec().flat([i as i64, 7, 5]).unwrap();
+            let (x, l) = (spec().centre_m(cell)[0] - 0.1, mapper.map().log_odds(cell));
+            match x {
+                ..4.4 => assert!(l.unwrap() < -0.05, "method {method}, {x} m: {l:?}"),
+                5.9..6.3 => assert!(l.unwrap() > 0.07, "method {method}, {x} m: {l:?}"),
+                6.3.. => assert!(l.is_none_or(|l| l > 0.0), "method {method}, {x} m: {l:?}"),
+                _ => {}
+            }
+        }
+    }
+}
+
+#[test]
+fn infinitely_far_is_free_up_to_the_range() {
+    let pose = wall(1.0).pose;
+    for (method, mut mapper) in all(spec()).into_iter().enumerate() {
+        Shot::of(pose, vec![0.0; N]).with(|view| mapper.integrate(view));
+        assert!(mapper.map().touched().count() > 1000, "method {method}");
+        for (_, l) in mapper.map().touched() {
+            assert!((f64::from(l) - logit(0.35)).abs() < 1e-6);
+        }
+        let axis = spec().flat([29, 7, 5]).unwrap();
+        assert!(mapper.map().log_odds(axis).is_some(), "method {method}");
+    }
+}
+
+#[test]
+fn filters_drop_matches() {
+    for mut mapper in all(spec()) {
+        let mut shot = wall(6.0);
+        shot.matches.peak_ratio = vec![1.49; N];
+        shot.with(|view| mapper.integrate(view));
+        shot.matches.peak_ratio = vec![2.0; N];
+        shot.matches.left_right_difference_px = vec![2; N];
+        shot.with(|view| mapper.integrate(view));
+        assert_eq!(mapper.map().touched().count(), 0);
+        shot.matches.left_right_difference_px = vec![1; N];
+        shot.with(|view| mapper.integrate(view));
+        assert!(mapper.map().touched().count() > 0);
+    }
+}
+
+/// k = 0.1 with this rig: A reaches 1/2 at 1.2 m.
+#[test]
+fn pixels_too_near_for_k_are_limited_or_dropped() {
+    let one_metre = wall(1.0);
+    let build = |near| InverseModelMapper::line(spec(), LineSettings { near, ..LineSettings::default() });
+    let mut limit = build(NearPixels::Limit).unwrap();
+    one_metre.with(|view| limit.integrate(view));
+    let largest = limit.map().touched().map(|(_, l)| l).fold(0.0, f32::max);
+    assert!((largest - 5.0).abs() < 1e-3, "{largest}");
+    let mut reject = build(NearPixels::Reject).unwrap();
+    one_metre.with(|view| reject.integrate(view));
+    assert_eq!(reject.map().touched().count(), 0);
+    wall(1.3).with(|view| reject.integrate(view));
+    assert!(reject.map().touched().count() > 0);
+}
+
+#[test]
+fn images_that_say_nothing_leave_the_map_unknown() {
+    let far = [[1e3, 0.0, 0.0], [0.0, -50.0, 0.0], [1e15, -1e15, 1e15], [f64::MAX, 0.0, 0.0]];
+    for mut mapper in all(spec()) {
+        Shot::of(wall(1.0).pose, vec![f32::NAN; N]).with(|view| mapper.integrate(view));
+        for at in far {
+            // Looking away from the grid, or from too far.
+            let pose = Pose::from_parts(Vector3::from(at).into(), level_camera());
+            for d in [0.0, 1e-30, 5.0, f32::MAX] {
+                Shot::of(pose, vec![d; N]).with(|view| mapper.integrate(view));
+            }
+        }
+        assert_eq!(mapper.map().touched().count(), 0);
+        // A camera behind the grid that looks into it.
+        let pose = Pose::from_parts(Vector3::new(-4.0, 0.1, 0.1).into(), level_camera());
+        Shot::of(pose, vec![0.0; N]).with(|view| mapper.integrate(view));
+        assert!(mapper.map().touched().count() > 0);
+    }
+}
+
+#[test]
+fn impossible_images_are_refused_before_any_method() {
+    for bad in [f32::INFINITY, f32::NEG_INFINITY, -1.0] {
+        let error = Disparity::new(1, 1, vec![bad]).unwrap_err().to_string();
+        assert!(error.contains("finite number from 0"), "{error}");
+    }
+    for (focal_px, baseline_m) in [(0.0, 0.3), (f64::NAN, 0.3), (700.0, 0.0), (700.0, -0.3)] {
+        let rig = evigrid_core::StereoRig { focal_px, baseline_m, ..RIG };
+        assert!(rig.checked().is_err());
+    }
+    let tiny = GridSettings { cell_size_m: 1e-4, ..GridSettings::default() };
+    let error = GridSpec::new(&tiny).unwrap_err().to_string();
+    assert!(error.contains("GiB"), "{error}");
+}
+
+#[test]
+fn eps_grows_with_the_way() {
+    let settings = SouzaSettings {
+        motion_error_m: 0.1,
+        motion_error_per_m: 0.2,
+        max_depth_m: 10.0,
+        ..SouzaSettings::default()
+    };
+    let mut mapper = InverseModelMapper::souza(spec(), settings).unwrap();
+    let mut shot = wall(6.0);
+    let mut highest = || {
+        let (image, _) = shot.with(|view| mapper.single_image(view));
+        shot.with(|view| mapper.integrate(view));
+        // 2 m on, by a turned camera: the way counts, not the place.
+        shot.pose.translation.vector += Vector3::new(2.0, 0.0, 0.0);
+        shot.pose.rotation = UnitQuaternion::from_euler_angles(0.0, 0.0, 1e-3) * shot.pose.rotation;
+        image.touched().map(|(_, l)| l).fold(0.0, f32::max)
+    };
+    // A = k / (dl sqrt(2 pi)) on the ray nearest to the axis, dz = 36/9*0.5 + eps.
+    for eps in [0.1, 0.5] {
+        let deviation = 36.0 / (RIG.baseline_m * RIG.focal_px) * 0.5 + eps;
+        let peak = logit(0.5 + 0.1 / (deviation * std::f64::consts::TAU.sqrt()));
+        let found = f64::from(highest());
+        assert!((found - peak).abs() < 2e-3, "eps {eps}: {found}, expected {peak}");
+    }
+}
+
+#[test]
+fn souza_without_motion_is_line_drawing_and_a_slice_is_a_part_of_it() {
+    let still = SouzaSettings { motion_error_per_m: 0.0, ..SouzaSettings::default() };
+    let mut line = InverseModelMapper::line(spec(), LineSettings::default()).unwrap();
+    let mut souza = InverseModelMapper::souza(spec(), still).unwrap();
+    let mut slice = InverseModelMapper::souza(spec(), SouzaSettings { slice: true, ..still }).unwrap();
+    for mapper in [&mut line, &mut souza, &mut slice] {
+        wall(6.0).with(|view| mapper.integrate(view));
+    }
+    assert_eq!(bits(line.map()), bits(souza.map()));
+    // The optical centre is at 0.1 m, in level 5 of cells that begin at -2 m.
+    assert!(slice.map().touched().count() > 20);
+    for (cell, l) in line.map().touched() {
+        let expected = (spec().voxel(cell)[2] == 5).then_some(l);
+        assert_eq!(slice.map().log_odds(cell), expected);
+    }
+}
+
+fn refused(result: Result<InverseModelMapper, SettingError>, start: &str, value: &str) {
+    let error = result.unwrap_err().to_string();
+    assert!(error.starts_with(start) && error.ends_with(&format!("found {value}")), "{error}");
+}
+
+#[test]
+fn impossible_settings_are_refused_with_bound_and_value() {
+    let base = LineSettings::default();
+    for (bad, key, value) in [
+        (LineSettings { k: 0.0, ..base }, "k", "0"),
+        (LineSettings { k: f64::NAN, ..base }, "k", "NaN"),
+        (LineSettings { min_probability: 0.5, ..base }, "min_probability", "0.5"),
+        (LineSettings { min_probability: 0.0, ..base }, "min_probability", "0"),
+        (LineSettings { max_depth_m: -1.0, ..base }, "max_depth_m", "-1"),
+        (LineSettings { max_depth_m: f64::INFINITY, ..base }, "max_depth_m", "inf"),
+        (LineSettings { disparity_error_px: 0.0, ..base }, "disparity_error_px", "0"),
+        (LineSettings { peak_ratio: 0.9, ..base }, "peak_ratio", "0.9"),
+        (LineSettings { blur_angle_deg: -1.0, ..base }, "blur_angle_deg", "-1"),
+        (LineSettings { log_odds_bounds: [1.0, 5.0], ..base }, "log_odds_bounds", "[1, 5]"),
+    ] {
+        refused(InverseModelMapper::line(spec(), bad), &format!("line.{key}: expected "), value);
+    }
+    let layer = LinePyramidSettings { lowest_layer: -9, ..LinePyramidSettings::default() };
+    refused(InverseModelMapper::line_pyramid(spec(), layer), "line-pyramid.lowest_layer: ", "-9");
+    let k = RaySettings { k: -1.0, ..RaySettings::default() };
+    refused(InverseModelMapper::ray(spec(), k), "ray.k: ", "-1");
+    let k = RayPyramidSettings { k: -1.0, ..RayPyramidSettings::default() };
+    refused(InverseModelMapper::ray_pyramid(spec(), k), "ray-pyramid.k: ", "-1");
+    let base = SouzaSettings::default();
+    let eps = SouzaSettings { motion_error_m: -0.1, ..base };
+    refused(InverseModelMapper::souza(spec(), eps), "souza.motion_error_m: ", "-0.1");
+    let eps = SouzaSettings { motion_error_per_m: -0.1, ..base };
+    refused(InverseModelMapper::souza(spec(), eps), "souza.motion_error_per_m: ", "-0.1");
+    let prior = SouzaSettings { prior_probability: 1.0, ..base };
+    refused(InverseModelMapper::souza(spec(), prior), "souza.prior_probability: ", "1");
+}
+
+#[test]
+fn every_method_can_be_blurred() {
+    let blur = BlurKind::Distance;
+    let mappers = [
+        InverseModelMapper::line(spec(), LineSettings { blur, ..LineSettings::default() }),
+        InverseModelMapper::ray(spec(), RaySettings { blur, ..RaySettings::default() }),
+        InverseModelMapper::souza(spec(), SouzaSettings { blur, ..SouzaSettings::default() }),
+    ];
+    for (blurred, plain) in mappers.into_iter().zip([0, 2, 4]) {
+        let mut blurred = blurred.unwrap();
+        let mut plain = all(spec()).into_iter().nth(plain).unwrap();
+        wall(6.0).with(|view| blurred.integrate(view));
+        wall(6.0).with(|view| plain.integrate(view));
+        assert!(blurred.map().touched().count() > plain.map().touched().count());
+    }
+}
