@@ -74,7 +74,7 @@ impl Mapper for CostCurveBayes {
             matches: view.matches,
         };
         // Pixels within one matching window are one look.
-        let edge = self.scale.window_edge_px();
+        let edge = self.settings.look_edge_px(self.scale);
         (0..view.rig.height.div_ceil(edge)).into_par_iter().for_each(|row| {
             let mut look =
                 self.looks.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();

@@ -2,8 +2,8 @@ use evigrid_grid::{Clamp, logit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::SettingError;
 use crate::error::require;
+use crate::{CostScale, SettingError};
 
 /// Mapping from whole cost curves by Bayes' rule (docs/cost-curve-bayes.md).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -13,6 +13,8 @@ pub struct CostCurveBayesSettings {
     pub cell_prior: f64,
     /// Share of pixels whose costs say nothing of the disparity. Unit: none. Source: Perrollaz et al. 2012 (P_FP = P_FN = 0.02).
     pub outlier_share: f64,
+    /// Edge of the squares of pixels that count as one look; 0: the matching window. Unit: px. Source: own choice.
+    pub look_px: usize,
     /// Leave out pixels whose winner the right image does not confirm. Unit: none. Source: customary.
     pub left_right_check: bool,
     /// Largest difference between the two winners that still counts as confirmed. Unit: px. Source: customary.
@@ -28,6 +30,7 @@ impl Default for CostCurveBayesSettings {
         Self {
             cell_prior: 0.05,
             outlier_share: 0.02,
+            look_px: 0,
             left_right_check: true,
             left_right_tolerance_px: 1,
             max_depth_m: 25.0,
@@ -49,6 +52,7 @@ impl CostCurveBayesSettings {
         }
         let depth = self.max_depth_m;
         require(depth.is_finite() && depth > 0.0, "max_depth_m", "a positive number", depth.to_string())?;
+        require(self.look_px <= 255, "look_px", "a number from 0 to 255", self.look_px.to_string())?;
         let [min, max] = self.log_odds_bounds;
         let bounded = (-40.0..self.prior_log_odds()).contains(&min) && max > 0.0 && max <= 40.0;
         let expected = "[-40 to below the log-odds of cell_prior, above 0 to 40]";
@@ -70,6 +74,11 @@ impl CostCurveBayesSettings {
     /// all shares of it that may be filled.
     pub fn stopping_prior(&self) -> f64 {
         0.5 * self.cell_prior
+    }
+
+    /// Edge of a look, px.
+    pub(crate) fn look_edge_px(&self, scale: CostScale) -> usize {
+        if self.look_px > 0 { self.look_px } else { scale.window_edge_px() }
     }
 
     /// Largest left-right difference of a pixel that counts.

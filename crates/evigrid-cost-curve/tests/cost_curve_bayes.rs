@@ -77,8 +77,11 @@ fn pixel_by_hand(
 fn frame_by_hand(settings: &CostCurveBayesSettings, shot: &Shot) -> BTreeMap<usize, f64> {
     let scale = scale_by_hand(settings, shot);
     let mut evidence = BTreeMap::new();
-    for (x0, y0) in (0..RIG.height).step_by(7).flat_map(|y| (0..RIG.width).step_by(7).map(move |x| (x, y))) {
-        let (x1, y1) = ((x0 + 7).min(RIG.width), (y0 + 7).min(RIG.height));
+    let edge = if settings.look_px > 0 { settings.look_px } else { 7 };
+    for (x0, y0) in
+        (0..RIG.height).step_by(edge).flat_map(|y| (0..RIG.width).step_by(edge).map(move |x| (x, y)))
+    {
+        let (x1, y1) = ((x0 + edge).min(RIG.width), (y0 + edge).min(RIG.height));
         let middle = |a: usize, b: usize| 0.5 * (a + b - 1) as f64;
         let far = |d: usize| if d == 0 { f64::INFINITY } else { RIG.depth_m(d as f64 - 0.5) };
         let disparities = curve(&shot.volume, 0, 0).0;
@@ -150,9 +153,10 @@ fn check(settings: CostCurveBayesSettings, shots: &[Shot]) -> Result<(), TestCas
 }
 
 fn settings() -> impl Strategy<Value = CostCurveBayesSettings> {
-    (0.01..0.3_f64, 0.001..0.3_f64, any::<bool>(), 0..3_u16, 1.0..16.0_f64).prop_map(
-        |(cell_prior, outlier_share, left_right_check, left_right_tolerance_px, max_depth_m)| {
+    (0.01..0.3_f64, 0.001..0.3_f64, 0..6_usize, any::<bool>(), 0..3_u16, 1.0..16.0_f64).prop_map(
+        |(cell_prior, outlier_share, look_px, left_right_check, left_right_tolerance_px, max_depth_m)| {
             CostCurveBayesSettings {
+                look_px,
                 cell_prior,
                 outlier_share,
                 left_right_check,
@@ -252,6 +256,7 @@ fn impossible_settings_are_refused() {
         CostCurveBayesSettings { cell_prior: 0.0, ..base },
         CostCurveBayesSettings { cell_prior: f64::NAN, ..base },
         CostCurveBayesSettings { outlier_share: 0.7, ..base },
+        CostCurveBayesSettings { look_px: 256, ..base },
         CostCurveBayesSettings { max_depth_m: f64::INFINITY, ..base },
         CostCurveBayesSettings { log_odds_bounds: [0.0, 5.0], ..base },
         CostCurveBayesSettings { log_odds_bounds: [-5.0, f32::NAN], ..base },
