@@ -112,6 +112,13 @@ fn wrong_arguments() {
     refused(&["--method", "winer-take-all"], &["winer-take-all", "did you mean `winner-take-all`?"]);
     refused(&["--set", "stereo.windw=7"], &["stereo.windw", "did you mean `stereo.window`?"]);
     refused(&["--set", "stereo.window=8"], &["stereo.window", "odd", "found 8"]);
+    refused(&["--set", "stereo.semi_global.block=4"], &["stereo.semi_global.block", "odd", "found 4"]);
+    refused(
+        &["--set", "stereo.semi_global.p2=199"],
+        &["stereo.semi_global.p2", "semi_global.p1", "found 199"],
+    );
+    refused(&["--set", "stereo.semi_global.pahts=4"], &["did you mean `stereo.semi_global.paths`?"]);
+    refused(&["--set", "stereo.matcher=blok"], &["blok", "semi-global"]);
     refused(&["--set", "winner-take-all.peak_ratio=0"], &["winner-take-all.peak_ratio", "found 0"]);
     refused(&["--set", "cost-curve.variance_factor=0"], &["cost-curve.variance_factor", "found 0"]);
     let from_elsewhere = ["--method", "cost-curve", "--set", "input.disparity_dir=elsewhere"];

@@ -13,30 +13,36 @@ pub fn methods() -> Result<()> {
     let mut text = String::from("Methods (--method NAME)\n\n");
     for method in Method::ALL {
         let _ = writeln!(text, "{}\n  {}\n  Needs {}.", method.name(), method.summary(), method.needs());
-        text.push_str(&settings(&schema, &defaults, method.name()));
+        let defaults = &defaults[method.name()];
+        text.push_str(&settings(&schema, section_schema(&schema, method.name()), defaults, method.name()));
     }
     text.push_str("\nSettings that all methods share (--set SECTION.KEY=VALUE, or --config FILE)\n");
     let sections = defaults.as_object().into_iter().flatten().map(|(name, _)| name);
     for section in sections.filter(|name| Method::from_name(name).is_none()) {
         let _ = writeln!(text, "\n{section}");
-        text.push_str(&settings(&schema, &defaults, section));
+        text.push_str(&settings(&schema, section_schema(&schema, section), &defaults[section], section));
     }
     print(&text)
 }
 
-/// One block per setting of a section: key, default, unit, meaning and source.
-fn settings(schema: &Value, defaults: &Value, section: &str) -> String {
+/// One block per setting of a section: key, default, unit, meaning and source. Sections within it follow.
+fn settings(schema: &Value, here: &Value, defaults: &Value, section: &str) -> String {
     let mut text = String::new();
-    let Some(settings) = section_schema(schema, section)["properties"].as_object() else { return text };
-    for (key, about) in settings {
+    let Some(properties) = here["properties"].as_object() else { return text };
+    for (key, about) in properties {
+        let default = &defaults[key];
+        let name = format!("{section}.{key}");
+        if default.is_object() {
+            text.push_str(&settings(schema, resolve(schema, about), default, &name));
+            continue;
+        }
         let words: Vec<_> = about["description"].as_str().unwrap_or("").split_whitespace().collect();
         let words = words.join(" ");
         let (meaning, rest) = words.split_once(" Unit: ").unwrap_or((&words, ""));
         let (unit, source) = rest.split_once(" Source: ").unwrap_or((rest, ""));
         let unit = unit.trim_end_matches('.');
         let unit = if unit == "none" || unit.is_empty() { String::new() } else { format!(" {unit}") };
-        let default = &defaults[section][key];
-        let _ = writeln!(text, "  {section}.{key} = {default}{unit}\n      {meaning}");
+        let _ = writeln!(text, "  {name} = {default}{unit}\n      {meaning}");
         let _ = writeln!(text, "      Source: {source}");
     }
     text
@@ -44,7 +50,11 @@ fn settings(schema: &Value, defaults: &Value, section: &str) -> String {
 
 /// The schema of a section, wherever the schema of all settings keeps it.
 fn section_schema<'a>(schema: &'a Value, section: &str) -> &'a Value {
-    let here = &schema["properties"][section];
+    resolve(schema, &schema["properties"][section])
+}
+
+/// What a schema refers to, if it refers to another.
+fn resolve<'a>(schema: &'a Value, here: &'a Value) -> &'a Value {
     match here["$ref"].as_str() {
         Some(reference) => schema.pointer(reference.trim_start_matches('#')).unwrap_or(here),
         None => here,

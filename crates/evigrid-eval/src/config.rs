@@ -6,7 +6,7 @@ use evigrid_grid::GridSettings;
 use evigrid_inverse_model::{
     LinePyramidSettings, LineSettings, RayPyramidSettings, RaySettings, SouzaSettings,
 };
-use evigrid_stereo::BlockMatchingSettings;
+use evigrid_stereo::StereoSettings;
 use evigrid_truth::TruthSettings;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -25,7 +25,7 @@ pub struct Config {
     /// Where the voxel grid lies.
     pub grid: GridSettings,
     /// Matching.
-    pub stereo: BlockMatchingSettings,
+    pub stereo: StereoSettings,
     /// The laser reference.
     pub truth: TruthSettings,
     /// How maps are scored.

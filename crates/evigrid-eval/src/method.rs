@@ -121,10 +121,8 @@ impl Method {
 
 /// What the numbers of the matcher's cost volume stand for.
 fn cost_scale(config: &Config) -> CostScale {
-    CostScale {
-        window_pixels: (config.stereo.window * config.stereo.window) as f64,
-        grey_levels: f64::from(1_u32 << config.stereo.cost_shift()),
-    }
+    let unit = config.stereo.cost_unit();
+    CostScale { window_pixels: unit.pixels, grey_levels: unit.levels }
 }
 
 /// Maps of one method that are built together.

@@ -2,14 +2,14 @@ use anyhow::{Context, Result};
 use evigrid_core::{Frame, Matches};
 use evigrid_grid::View;
 use evigrid_replay::read_disparity_png;
-use evigrid_stereo::{BlockMatcher, Matching};
+use evigrid_stereo::{Matcher, Matching};
 
 use crate::Config;
 
 /// Computes or reads the matches of a frame, which all methods share.
 #[derive(Debug)]
 pub(crate) struct PairMatcher {
-    matcher: BlockMatcher,
+    matcher: Matcher,
     disparity_dir: String,
     /// Buffers of the frame before.
     recycled: Option<Matching>,
@@ -19,7 +19,7 @@ impl PairMatcher {
     /// The matcher of these settings.
     pub fn new(config: &Config) -> Result<Self> {
         let disparity_dir = config.input.disparity_dir.clone();
-        Ok(Self { matcher: BlockMatcher::new(config.stereo)?, disparity_dir, recycled: None })
+        Ok(Self { matcher: Matcher::new(config.stereo)?, disparity_dir, recycled: None })
     }
 
     /// The matches of a frame, with the cost volume if it is wanted and there is one.

@@ -1,19 +1,11 @@
-use evigrid_core::{CostVolume, Disparity, GrayImage, Matches, NO_COST};
+use evigrid_core::{GrayImage, NO_COST};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
+use crate::matching::{Buffers, Matching, Shape};
 use crate::rows::{add_differences, slide_differences, window_sums};
-use crate::winner::{LANES, RowCosts, peak_ratio};
+use crate::winner::{LANES, RowCosts, is_unique, peak_ratio};
 use crate::{BlockMatchingSettings, StereoError};
-
-/// What matching one pair gives.
-#[derive(Debug, Clone)]
-pub struct Matching {
-    /// Winner, peak ratio and left-right difference of every pixel.
-    pub matches: Matches,
-    /// The whole cost volume, where it was asked for.
-    pub volume: Option<CostVolume>,
-}
 
 /// Block matching by the sum of absolute differences (SAD): cost volume, winner-take-all with a parabola for the
 /// sub-pixel part, peak ratio, left-right difference.
@@ -23,6 +15,7 @@ pub struct Matching {
 #[derive(Debug)]
 pub struct BlockMatcher {
     settings: BlockMatchingSettings,
+    uniqueness_percent: u32,
     bands: Vec<Scratch>,
 }
 
@@ -32,7 +25,14 @@ impl BlockMatcher {
     /// # Errors
     /// If a setting is outside its domain.
     pub fn new(settings: BlockMatchingSettings) -> Result<Self, StereoError> {
-        Ok(Self { settings: settings.checked()?, bands: Vec::new() })
+        Ok(Self { settings: settings.checked()?, uniqueness_percent: 0, bands: Vec::new() })
+    }
+
+    /// The same matcher, which drops a match if a hypothesis that is no neighbour of the winner costs less than
+    /// `100 / (100 - percent)` times as much; 0 (at first) drops none. The rule is OpenCV's.
+    #[must_use]
+    pub fn with_uniqueness(self, percent: u32) -> Self {
+        Self { uniqueness_percent: percent.min(99), ..self }
     }
 
     /// Matches a pair. `keep_volume` keeps all costs; `recycled` is the result of an earlier frame, whose buffers are
@@ -47,22 +47,25 @@ impl BlockMatcher {
         keep_volume: bool,
         recycled: Option<Matching>,
     ) -> Result<Matching, StereoError> {
-        let job = Job::new(self.settings, left, right)?;
-        let mut out = Buffers::new(&job, keep_volume, recycled);
+        let job =
+            Job { uniqueness_percent: self.uniqueness_percent, ..Job::new(self.settings, left, right)? };
+        let mut out = Buffers::new(job.shape(), keep_volume, recycled);
+        clear_border(&mut out, &job);
         let band_count = rayon::current_num_threads().clamp(1, job.rows());
         let band_rows = job.rows().div_ceil(band_count);
         self.bands.resize_with(band_count, Scratch::default);
-        out.bands(&job, band_rows)
+        bands(&mut out, &job, band_rows)
             .into_par_iter()
             .zip(&mut self.bands)
             .for_each(|(band, scratch)| match_rows(&job, band, scratch));
-        out.into_matching(&job)
+        out.into_matching(job.shape())
     }
 }
 
 /// One pair to match.
 struct Job<'a> {
     settings: BlockMatchingSettings,
+    uniqueness_percent: u32,
     left: &'a GrayImage,
     right: &'a GrayImage,
 }
@@ -73,21 +76,18 @@ impl<'a> Job<'a> {
         left: &'a GrayImage,
         right: &'a GrayImage,
     ) -> Result<Self, StereoError> {
+        require_same_size(left, right)?;
         let (width, height) = (left.width(), left.height());
-        if (right.width(), right.height()) != (width, height) {
-            return Err(StereoError::Images(evigrid_core::CoreError::Size {
-                what: "right image",
-                expected_width: width,
-                expected_height: height,
-                width: right.width(),
-                height: right.height(),
-            }));
-        }
         let window = settings.window;
         if window > width.min(height) {
             return Err(StereoError::WindowTooLarge { window, width, height });
         }
-        Ok(Self { settings, left, right })
+        Ok(Self { settings, uniqueness_percent: 0, left, right })
+    }
+
+    fn shape(&self) -> Shape {
+        let BlockMatchingSettings { min_disparity, disparities, .. } = self.settings;
+        Shape { width: self.left.width(), height: self.left.height(), min_disparity, disparities }
     }
 
     fn width(&self) -> usize {
@@ -102,10 +102,6 @@ impl<'a> Job<'a> {
     /// Length of a row of costs: the image's width, and as many columns as a search may run over its edge.
     fn stride(&self) -> usize {
         self.width() + self.settings.min_disparity + self.settings.disparities + LANES
-    }
-
-    fn volume_row_len(&self) -> usize {
-        self.settings.disparities * self.width()
     }
 }
 
@@ -162,7 +158,7 @@ fn match_rows(job: &Job<'_>, mut band: Band<'_>, scratch: &mut Scratch) {
             &mut band.left_right[row],
         );
         if let Some(volume) = &mut band.volume {
-            let len = job.volume_row_len();
+            let len = job.shape().volume_row_len();
             copy_costs(job, scratch, &mut volume[i * len..(i + 1) * len]);
         }
     }
@@ -221,6 +217,14 @@ fn search_row(
         for i in 0..LANES.min(width - x) {
             ratio[x + i] = peak_ratio(winners.first[i], winners.second[i]);
         }
+        if job.uniqueness_percent > 0 {
+            let runners_up = costs.runners_up(x, &winners.index);
+            for i in 0..LANES.min(width - x) {
+                if !is_unique(winners.first[i], runners_up[i], job.uniqueness_percent) {
+                    ratio[x + i] = f32::NAN;
+                }
+            }
+        }
     }
     for x in 0..width {
         if ratio[x].is_nan() {
@@ -243,91 +247,54 @@ fn copy_costs(job: &Job<'_>, scratch: &Scratch, volume: &mut [u16]) {
     }
 }
 
-/// The output as plain buffers; rows whose window does not fit hold "no match".
-struct Buffers {
-    disparity: Vec<f32>,
-    peak_ratio: Vec<f32>,
-    left_right: Vec<u16>,
-    volume: Option<Vec<u16>>,
+/// Rows above and below the first and last window hold "no match": what an earlier frame left there is overwritten.
+fn clear_border(out: &mut Buffers, job: &Job<'_>) {
+    let (top, row_len) = (job.settings.radius(), job.shape().volume_row_len());
+    for rows in [0..top, top + job.rows()..job.left.height()] {
+        let pixels = rows.start * job.width()..rows.end * job.width();
+        out.disparity[pixels.clone()].fill(f32::NAN);
+        out.peak_ratio[pixels.clone()].fill(f32::NAN);
+        out.left_right[pixels].fill(u16::MAX);
+        if let Some(volume) = &mut out.volume {
+            volume[rows.start * row_len..rows.end * row_len].fill(NO_COST);
+        }
+    }
 }
 
-impl Buffers {
-    fn new(job: &Job<'_>, keep_volume: bool, recycled: Option<Matching>) -> Self {
-        let (mut out, volume) = match recycled {
-            Some(Matching { matches, volume }) => (
-                Self {
-                    disparity: matches.disparity.into_values(),
-                    peak_ratio: matches.peak_ratio,
-                    left_right: matches.left_right_difference_px,
-                    volume: None,
-                },
-                volume.map(CostVolume::into_costs),
-            ),
-            None => (Self { disparity: vec![], peak_ratio: vec![], left_right: vec![], volume: None }, None),
-        };
-        let pixels = job.width() * job.left.height();
-        out.disparity.resize(pixels, f32::NAN);
-        out.peak_ratio.resize(pixels, f32::NAN);
-        out.left_right.resize(pixels, u16::MAX);
-        if keep_volume {
-            let mut costs = volume.unwrap_or_default();
-            costs.resize(job.left.height() * job.volume_row_len(), NO_COST);
-            out.volume = Some(costs);
-        }
-        out.clear_border(job);
-        out
-    }
+/// The inner rows, cut into bands of `band_rows` rows.
+fn bands<'a>(out: &'a mut Buffers, job: &Job<'_>, band_rows: usize) -> Vec<Band<'a>> {
+    let (width, top) = (job.width(), job.settings.radius());
+    let pixels = top * width..(top + job.rows()) * width;
+    let row_len = job.shape().volume_row_len();
+    let mut volumes = out
+        .volume
+        .as_mut()
+        .map(|v| v[top * row_len..(top + job.rows()) * row_len].chunks_mut(band_rows * row_len));
+    out.disparity[pixels.clone()]
+        .chunks_mut(band_rows * width)
+        .zip(out.peak_ratio[pixels.clone()].chunks_mut(band_rows * width))
+        .zip(out.left_right[pixels].chunks_mut(band_rows * width))
+        .enumerate()
+        .map(|(i, ((disparity, peak_ratio), left_right))| Band {
+            first_row: top + i * band_rows,
+            disparity,
+            peak_ratio,
+            left_right,
+            volume: volumes.as_mut().and_then(Iterator::next),
+        })
+        .collect()
+}
 
-    /// Rows above and below the first and last window: what an earlier frame left there is overwritten.
-    fn clear_border(&mut self, job: &Job<'_>) {
-        let top = job.settings.radius();
-        for rows in [0..top, top + job.rows()..job.left.height()] {
-            let pixels = rows.start * job.width()..rows.end * job.width();
-            self.disparity[pixels.clone()].fill(f32::NAN);
-            self.peak_ratio[pixels.clone()].fill(f32::NAN);
-            self.left_right[pixels].fill(u16::MAX);
-            if let Some(volume) = &mut self.volume {
-                volume[rows.start * job.volume_row_len()..rows.end * job.volume_row_len()].fill(NO_COST);
-            }
-        }
+/// Refuses images of different size.
+pub(crate) fn require_same_size(left: &GrayImage, right: &GrayImage) -> Result<(), StereoError> {
+    if (right.width(), right.height()) == (left.width(), left.height()) {
+        return Ok(());
     }
-
-    /// The inner rows, cut into bands of `band_rows` rows.
-    fn bands(&mut self, job: &Job<'_>, band_rows: usize) -> Vec<Band<'_>> {
-        let (width, top) = (job.width(), job.settings.radius());
-        let pixels = top * width..(top + job.rows()) * width;
-        let row_len = job.volume_row_len();
-        let mut volumes = self
-            .volume
-            .as_mut()
-            .map(|v| v[top * row_len..(top + job.rows()) * row_len].chunks_mut(band_rows * row_len));
-        self.disparity[pixels.clone()]
-            .chunks_mut(band_rows * width)
-            .zip(self.peak_ratio[pixels.clone()].chunks_mut(band_rows * width))
-            .zip(self.left_right[pixels].chunks_mut(band_rows * width))
-            .enumerate()
-            .map(|(i, ((disparity, peak_ratio), left_right))| Band {
-                first_row: top + i * band_rows,
-                disparity,
-                peak_ratio,
-                left_right,
-                volume: volumes.as_mut().and_then(Iterator::next),
-            })
-            .collect()
-    }
-
-    fn into_matching(self, job: &Job<'_>) -> Result<Matching, StereoError> {
-        let (width, height) = (job.width(), job.left.height());
-        let settings = &job.settings;
-        let volume = self
-            .volume
-            .map(|costs| CostVolume::new(width, height, settings.min_disparity, settings.disparities, costs))
-            .transpose()?;
-        let matches = Matches {
-            disparity: Disparity::new(width, height, self.disparity)?,
-            peak_ratio: self.peak_ratio,
-            left_right_difference_px: self.left_right,
-        };
-        Ok(Matching { matches, volume })
-    }
+    Err(StereoError::Images(evigrid_core::CoreError::Size {
+        what: "right image",
+        expected_width: left.width(),
+        expected_height: left.height(),
+        width: right.width(),
+        height: right.height(),
+    }))
 }

@@ -11,6 +11,12 @@ pub enum StereoError {
         /// The offending value.
         found: usize,
     },
+    /// A step between neighbours that no region could have.
+    #[error("stereo.speckle_step_px: expected a finite number from 0, found {found}")]
+    SpeckleStep {
+        /// The offending value, pixels.
+        found: f32,
+    },
     /// An image in which not one window fits.
     #[error("stereo.window: expected a window within the {width}x{height} image, found {window}")]
     WindowTooLarge {

@@ -76,6 +76,21 @@ impl RowCosts<'_> {
         index
     }
 
+    /// Lowest cost of each of the pixels `x .. x + LANES` among the hypotheses that are neither its winner (`index`) nor
+    /// a neighbour of that; [`NO_COST`] if there is none.
+    #[inline(always)]
+    pub fn runners_up(&self, x: usize, index: &[u16; LANES]) -> [u16; LANES] {
+        let mut lowest = [NO_COST; LANES];
+        for d in 0..self.disparities {
+            let cost = self.lanes(d, x);
+            for i in 0..LANES {
+                let near = if index[i].abs_diff(d as u16) <= 1 { NO_COST } else { 0 };
+                lowest[i] = lowest[i].min(cost[i] | near);
+            }
+        }
+        lowest
+    }
+
     /// Offset of the vertex of the parabola through the winner and its two neighbours, within -0.5..0.5; 0 where a
     /// neighbour is missing or the three are equal.
     #[inline(always)]
@@ -84,14 +99,26 @@ impl RowCosts<'_> {
             return 0.0;
         }
         let at = |d: usize| self.costs[d * self.stride + x];
-        let (before, cost, after) = (at(index - 1), at(index), at(index + 1));
-        if before == NO_COST || after == NO_COST {
-            return 0.0;
-        }
-        let [before, cost, after] = [before, cost, after].map(i32::from);
-        let curvature = before - 2 * cost + after;
-        if curvature > 0 { 0.5 * (before - after) as f32 / curvature as f32 } else { 0.0 }
+        parabola_vertex([at(index - 1), at(index), at(index + 1)])
     }
+}
+
+/// Offset of the vertex of the parabola through three neighbouring costs, the middle one the lowest; 0 where one of them
+/// is missing or the three are equal.
+#[inline(always)]
+pub(crate) fn parabola_vertex([before, cost, after]: [u16; 3]) -> f32 {
+    if before == NO_COST || after == NO_COST {
+        return 0.0;
+    }
+    let [before, cost, after] = [before, cost, after].map(i32::from);
+    let curvature = before - 2 * cost + after;
+    if curvature > 0 { 0.5 * (before - after) as f32 / curvature as f32 } else { 0.0 }
+}
+
+/// Whether the runner-up costs at least `100 / (100 - percent)` times as much as the winner.
+#[inline(always)]
+pub(crate) fn is_unique(first: u16, runner_up: u16, percent: u32) -> bool {
+    runner_up == NO_COST || u32::from(runner_up) * (100 - percent) >= 100 * u32::from(first)
 }
 
 /// Second over first local minimum: infinite if there is no second or the first is 0 and the second is not.

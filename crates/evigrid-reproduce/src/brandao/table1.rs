@@ -111,7 +111,7 @@ impl Stopwatch<'_> {
     ) -> Result<[Timing; 2]> {
         let mut mapper = reading.method.build(GridSpec::new(&config.grid)?, config)?;
         let keep_volume = mapper.needs_volume();
-        let mut matcher = BlockMatcher::new(config.stereo)?;
+        let mut matcher = BlockMatcher::new(config.stereo.block())?;
         let mut last = None;
         let matching_s = self.time(|| {
             last = Some(matcher.run(frame.left(), frame.right(), keep_volume, last.take())?);
