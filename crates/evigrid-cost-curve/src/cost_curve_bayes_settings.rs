@@ -9,11 +9,11 @@ use crate::{CostScale, SettingError};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CostCurveBayesSettings {
-    /// Probability that a cell is occupied before anything is known of it; unknown cells start from it. Unit: none. Source: own choice (docs/cost-curve-bayes.md).
+    /// Probability that a cell is occupied before anything is known of it; unknown cells start from it. Unit: none. Source: own choice, on the worlds bars and street (docs/cost-curve-bayes.md).
     pub cell_prior: f64,
     /// Share of pixels whose costs say nothing of the disparity. Unit: none. Source: Perrollaz et al. 2012 (P_FP = P_FN = 0.02).
     pub outlier_share: f64,
-    /// Edge of the squares of pixels that count as one look; 0: the matching window. Unit: px. Source: own choice.
+    /// Edge of the squares of pixels that count as one look; 0: the matching window. Unit: px. Source: docs/cost-curve-bayes.md, step 5.
     pub look_px: usize,
     /// Leave out pixels whose winner the right image does not confirm. Unit: none. Source: customary.
     pub left_right_check: bool,
