@@ -76,7 +76,7 @@ impl Frame {
     /// in nanoseconds.
     ///
     /// # Errors
-    /// If an image has another size than the rig says.
+    /// If an image has another size than the rig says, or the pose is not finite.
     pub fn new(
         index: usize,
         stamp_ns: i64,
@@ -87,6 +87,9 @@ impl Frame {
         laser: Option<LaserScan>,
     ) -> Result<Self, CoreError> {
         let rig = rig.checked()?;
+        for value in map_from_left.to_homogeneous().iter() {
+            require(value.is_finite(), "pose", "finite numbers", *value)?;
+        }
         for (what, image) in [("left image", &left), ("right image", &right)] {
             if (image.width(), image.height()) != (rig.width, rig.height) {
                 return Err(CoreError::Size {

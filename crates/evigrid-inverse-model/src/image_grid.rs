@@ -148,14 +148,15 @@ impl ImageGrid {
         blur.touched.clear();
         for flat in flats(&self.spec, low, size) {
             let known = self.get(flat);
-            blur.values.push(known.map_or(0.0, |p| bounded_logit(p, fusion.evidence)));
+            // What is blurred is what the image adds: nothing where it says nothing.
+            blur.values.push(known.map_or(0.0, |p| bounded_logit(p, fusion.evidence) - fusion.prior));
             blur.touched.push(u8::from(known.is_some()));
         }
         let count = blur.touched.iter().map(|&t| u64::from(t)).sum();
         let values = map.values_mut();
         blur.run(&self.spec, low, size, vehicle_m, deviation, |flat, l| {
             if fusion.level.is_none_or(|only| only == flat % shape[2]) {
-                values[flat] = fusion.add(values[flat], l);
+                values[flat] = fusion.add(values[flat], l + fusion.prior);
             }
         });
         self.clear();

@@ -154,10 +154,17 @@ impl InverseModelMapper {
         let drawn = self.image.log_odds(self.common.clamp());
         counters.count(drawn.touched().count() as u64);
         self.image.clear();
-        let deviation = self.common.pose_deviation();
+        (self.blurred(drawn, view), counters)
+    }
+
+    /// What an image's grid adds to the prior, blurred, and the prior.
+    fn blurred(&self, mut drawn: LogOddsGrid, view: &View<'_>) -> LogOddsGrid {
+        let prior = self.motion.prior;
+        drawn.values_mut().iter_mut().for_each(|l| *l -= prior);
         let vehicle_m = view.map_from_left.translation.vector.into();
-        let whole = crate::blurred(&drawn, vehicle_m, &deviation);
-        (whole, counters)
+        let mut blurred = crate::blurred(&drawn, vehicle_m, &self.common.pose_deviation());
+        blurred.values_mut().iter_mut().for_each(|l| *l += prior);
+        blurred
     }
 
     /// eps of Souza's eq. 13 for a frame, metres.
@@ -278,6 +285,10 @@ impl InverseModelMapper {
 
 impl Mapper for InverseModelMapper {
     fn integrate(&mut self, view: &View<'_>) {
+        // Nothing can be drawn from nowhere.
+        if !view.map_from_left.to_homogeneous().iter().all(|v| v.is_finite()) {
+            return;
+        }
         // The uncertainty of this frame: Andert eq. 4, Souza eq. 13.
         let model = self.common.model(self.motion_error_m(view));
         // The image's own grid (Andert V and VI), by the inverse model (IV).

@@ -59,7 +59,7 @@ macro_rules! settings {
             /// Blurs an image's grid before it is added: `none`, `constant` (blur_translation_m everywhere) or `distance` (grows with the distance
             /// from the camera, eq. 17). Unit: none. Source: Andert 2009 VII (Table I is without).
             pub blur: BlurKind,
-            /// Standard deviation of the platform's position, the largest of the three axes. Unit: m. Source: Andert 2009 eq. 17; own value.
+            /// Standard deviation of the platform's position, the largest of the three axes. No kernel's deviation exceeds 16 cells. Unit: m. Source: Andert 2009 eq. 17; own value.
             pub blur_translation_m: f64,
             /// Standard deviation of the platform's attitude, the largest of the three axes. Unit: deg. Source: Andert 2009 eq. 17; own value.
             pub blur_angle_deg: f64,
@@ -197,6 +197,8 @@ impl Common {
         ] {
             require(positive(value), key, "a positive number", value.to_string())?;
         }
+        let depth = self.max_depth_m;
+        require(depth <= 10_000.0, "max_depth_m", "a number up to 10000", depth.to_string())?;
         let p = self.min_probability;
         require(p > 0.0 && p < 0.5, "min_probability", "a number between 0 and 0.5", p.to_string())?;
         for (key, value) in
@@ -278,7 +280,7 @@ impl LinePyramidSettings {
         let (lowest, finer) = (self.lowest_layer, self.finer_layers);
         let expected = format!("a layer from {} to 0", LAYERS.start());
         require((*LAYERS.start()..=0).contains(&lowest), "lowest_layer", expected, lowest)?;
-        require((0..=10).contains(&finer), "finer_layers", "a number from 0 to 10".to_owned(), finer)
+        require((0..=3).contains(&finer), "finer_layers", "a number from 0 to 3".to_owned(), finer)
     }
 }
 
@@ -301,9 +303,10 @@ impl SouzaSettings {
         {
             require("souza", value.is_finite() && value >= 0.0, key, "a number from 0", value)?;
         }
-        let p = self.prior_probability;
-        let bounded = p > 0.0 && p < 1.0;
-        require("souza", bounded, "prior_probability", "a number between 0 and 1", p)?;
+        let (p, least) = (self.prior_probability, self.min_probability);
+        // At or below p_min, free space would count as evidence of an obstacle.
+        let expected = format!("a number between min_probability ({least}) and 1");
+        require("souza", p > least && p < 1.0, "prior_probability", expected, p)?;
         let prior = logit(p) as f32;
         let [min, max] = self.log_odds_bounds;
         let expected = format!("a probability with log-odds within [{min}, {max}]");

@@ -87,6 +87,29 @@ fn span(values: &[f64; 8]) -> [f64; 2] {
 /// The whole numbers nearest to the ends of an interval and those between, from 0 to `last`.
 #[inline(always)]
 fn cut([low, high]: [f64; 2], last: f64) -> Option<[usize; 2]> {
-    let (low, high) = ((low + 0.5).max(0.0), (high + 0.5).min(last + 0.5));
-    (low <= high).then_some([low as usize, (high as usize).min(last as usize)])
+    // Below 0 the whole number does not matter; within the image, cutting off is rounding down.
+    let (low, high) = ((low + 0.5).max(0.0), high + 0.5);
+    (low < last + 1.0 && high >= 0.0).then_some([low as usize, high.min(last) as usize])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_are_cut_to_the_image() {
+        for ([low, high], expected) in [
+            ([3.4, 4.6], Some([3, 5])),
+            ([-2.0, 0.2], Some([0, 0])),
+            ([-2.0, -0.6], None),
+            // In the outer half of the last column.
+            ([20.1, 20.4], Some([20, 20])),
+            ([20.2, 21.7], Some([20, 20])),
+            ([20.6, 21.7], None),
+            ([-5.0, 50.0], Some([0, 20])),
+            ([f64::NEG_INFINITY, f64::INFINITY], Some([0, 20])),
+        ] {
+            assert_eq!(cut([low, high], 20.0), expected, "{low} to {high}");
+        }
+    }
 }

@@ -3,12 +3,12 @@
 
 mod common;
 
-use common::{RIG, Shot, level_camera, shot, spec};
+use common::{CELL_M, RIG, Shot, level_camera, shot, spec};
 use evigrid_core::{Disparity, Pose};
 use evigrid_grid::{GridSettings, GridSpec, LogOddsGrid, Mapper, logit};
 use evigrid_inverse_model::{
-    BlurKind, InverseModelMapper, LinePyramidSettings, LineSettings, NearPixels, RayPyramidSettings,
-    RaySettings, SettingError, SouzaSettings,
+    BlurKind, InverseModelMapper, LinePyramidSettings, LineSettings, NearPixels, PoseDeviation,
+    RayPyramidSettings, RaySettings, SettingError, SouzaSettings,
 };
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
@@ -30,14 +30,26 @@ fn bits(map: &LogOddsGrid) -> Vec<u32> {
     map.values().iter().map(|l| l.to_bits()).collect()
 }
 
+/// So many cells that several tasks fuse them.
+fn many_cells() -> GridSpec {
+    let settings = GridSettings { x_m: [-1.0, 11.0], y_m: [-3.0, 3.0], z_m: [-2.0, 2.0], cell_size_m: 0.15 };
+    GridSpec::new(&settings).unwrap()
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20))]
+    #![proptest_config(ProptestConfig::with_cases(10))]
     #[test]
     fn images_add_up_and_threads_change_nothing(shots in prop::collection::vec(shot(), 1..4)) {
         let pools = [1, 2, 3].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
-        for method in 0..4 {
-            let mut sum = vec![f32::NAN; spec().cell_count()];
-            let mut single = all(spec());
+        // A single image knows nothing of the way to it.
+        let still = SouzaSettings { motion_error_per_m: 0.0, motion_error_m: 0.1, ..SouzaSettings::default() };
+        let all = || {
+            let [line, line_pyramid, ray, ray_pyramid, _] = all(many_cells());
+            [line, line_pyramid, ray, ray_pyramid, InverseModelMapper::souza(many_cells(), still).unwrap()]
+        };
+        for method in 0..5 {
+            let mut sum = vec![f32::NAN; many_cells().cell_count()];
+            let mut single = all();
             for shot in &shots {
                 let (image, _) = shot.with(|view| single[method].single_image(view));
                 for (cell, l) in image.touched() {
@@ -46,12 +58,13 @@ proptest! {
                 }
             }
             for pool in &pools {
-                let mut mappers = all(spec());
+                let mut mappers = all();
                 for shot in &shots {
                     pool.install(|| shot.with(|view| mappers[method].integrate(view)));
                 }
                 let found = mappers[method].map();
-                prop_assert_eq!(bits(found), sum.iter().map(|l| l.to_bits()).collect::<Vec<_>>());
+                let same = bits(found) == sum.iter().map(|l| l.to_bits()).collect::<Vec<_>>();
+                prop_assert!(same, "method {}", method);
             }
         }
     }
@@ -242,21 +255,82 @@ fn impossible_settings_are_refused_with_bound_and_value() {
     refused(InverseModelMapper::souza(spec(), eps), "souza.motion_error_per_m: ", "-0.1");
     let prior = SouzaSettings { prior_probability: 1.0, ..base };
     refused(InverseModelMapper::souza(spec(), prior), "souza.prior_probability: ", "1");
+    let prior = SouzaSettings { prior_probability: 0.2, ..base };
+    refused(InverseModelMapper::souza(spec(), prior), "souza.prior_probability: ", "0.2");
+    let finer = LinePyramidSettings { finer_layers: 4, ..LinePyramidSettings::default() };
+    refused(InverseModelMapper::line_pyramid(spec(), finer), "line-pyramid.finer_layers: ", "4");
+    let depth = LineSettings { max_depth_m: 1e9, ..LineSettings::default() };
+    refused(InverseModelMapper::line(spec(), depth), "line.max_depth_m: ", "1000000000");
 }
 
 #[test]
 fn every_method_can_be_blurred() {
     let blur = BlurKind::Distance;
-    let mappers = [
+    let blurred = [
         InverseModelMapper::line(spec(), LineSettings { blur, ..LineSettings::default() }),
+        InverseModelMapper::line_pyramid(
+            spec(),
+            LinePyramidSettings { blur, ..LinePyramidSettings::default() },
+        ),
         InverseModelMapper::ray(spec(), RaySettings { blur, ..RaySettings::default() }),
+        InverseModelMapper::ray_pyramid(spec(), RayPyramidSettings { blur, ..RayPyramidSettings::default() }),
         InverseModelMapper::souza(spec(), SouzaSettings { blur, ..SouzaSettings::default() }),
     ];
-    for (blurred, plain) in mappers.into_iter().zip([0, 2, 4]) {
-        let mut blurred = blurred.unwrap();
-        let mut plain = all(spec()).into_iter().nth(plain).unwrap();
-        wall(6.0).with(|view| blurred.integrate(view));
-        wall(6.0).with(|view| plain.integrate(view));
-        assert!(blurred.map().touched().count() > plain.map().touched().count());
+    let settings = LineSettings::default();
+    let deviation = PoseDeviation {
+        kind: blur,
+        translation_m: settings.blur_translation_m,
+        angle: settings.blur_angle_deg.to_radians(),
+    };
+    for (mut found, mut plain) in blurred.map(Result::unwrap).into_iter().zip(all(spec())) {
+        let shot = wall(6.0);
+        shot.with(|view| found.integrate(view));
+        let (drawn, _) = shot.with(|view| plain.single_image(view));
+        let expected = evigrid_inverse_model::blurred(&drawn, shot.camera().into(), &deviation);
+        assert!(expected.touched().count() > drawn.touched().count());
+        assert_eq!(bits(found.map()), bits(&expected));
+    }
+}
+
+/// With a prior other than 0.5, blurring says nothing of cells far from all that was seen.
+#[test]
+fn blur_spreads_what_an_image_adds_to_the_prior() {
+    let prior = SouzaSettings { prior_probability: 0.4, motion_error_per_m: 0.0, ..SouzaSettings::default() };
+    let blur = SouzaSettings { blur: BlurKind::Constant, blur_translation_m: CELL_M, ..prior };
+    let [mut plain, mut blurred] =
+        [prior, blur].map(|settings| InverseModelMapper::souza(spec(), settings).unwrap());
+    let shot = wall(6.0);
+    shot.with(|view| plain.integrate(view));
+    shot.with(|view| blurred.integrate(view));
+    let l0 = logit(0.4) as f32;
+    let drawn = plain.map();
+    let mut halo = 0;
+    for (cell, l) in blurred.map().touched() {
+        // Three deviations along each axis: only cells that add something can move the prior, and by no more than they add.
+        let voxel = spec().voxel(cell).map(|v| v as i64);
+        let near = (-3..=3_i64).flat_map(|i| (-3..=3).flat_map(move |j| (-3..=3).map(move |k| [i, j, k])));
+        let seen = near.filter_map(|d| {
+            let other = spec().flat([voxel[0] + d[0], voxel[1] + d[1], voxel[2] + d[2]])?;
+            Some((drawn.log_odds(other)? - l0).abs())
+        });
+        let most = seen.fold(0.0, f32::max);
+        halo += usize::from(drawn.log_odds(cell).is_none());
+        assert!((l - l0).abs() <= most + 1e-5, "cell {cell}: {l}");
+        if drawn.log_odds(cell).is_none() {
+            assert!((l - l0).abs() < 0.6 * most, "cell {cell}: {l}");
+        }
+    }
+    assert!(halo > 100, "{halo}");
+}
+
+#[test]
+fn a_pose_that_is_none_is_left_out() {
+    let nowhere = Pose::from_parts(Vector3::new(f64::NAN, 0.0, 0.0).into(), level_camera());
+    for mut mapper in all(spec()) {
+        Shot { pose: nowhere, ..wall(6.0) }.with(|view| mapper.integrate(view));
+        assert_eq!(mapper.map().touched().count(), 0);
+        // Nor does it spoil the next one.
+        wall(6.0).with(|view| mapper.integrate(view));
+        assert!(mapper.map().touched().all(|(_, l)| l.abs() < 4.9) && mapper.map().touched().count() > 0);
     }
 }
