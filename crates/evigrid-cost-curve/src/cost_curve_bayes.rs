@@ -51,7 +51,7 @@ impl CostCurveBayes {
             sharpness: (self.scale.grey_levels / difference) as f32,
             outliers: self.settings.outlier_share as f32,
             stops: self.settings.stopping_prior() as f32,
-            first_beyond: self.hypotheses.at(max_depth_m) as usize,
+            first_beyond: self.hypotheses.far_m().partition_point(|far_m| *far_m <= max_depth_m),
         }
     }
 }
@@ -64,7 +64,7 @@ impl Mapper for CostCurveBayes {
     fn integrate(&mut self, view: &View<'_>) {
         let Some(volume) = view.volume else { return };
         self.hypotheses.fill(view.rig, volume);
-        let depth_m = self.settings.max_depth_m.min(self.hypotheses.near_m(self.hypotheses.len()));
+        let depth_m = self.settings.max_depth_m;
         let frame = Frame {
             settings: &self.settings,
             hypotheses: &self.hypotheses,
@@ -111,8 +111,7 @@ impl Frame<'_> {
     }
 }
 
-/// Offers the evidence of a row of looks to the cells of their rays. No result depends on the choice of the processor's
-/// instructions.
+/// Offers the evidence of a row of looks to the cells of their rays.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512vl+avx512dq", "x86_64+avx2"))]
 fn draw_looks(frame: &Frame<'_>, edge: usize, row: usize, look: &mut Look, evidence: &FrameEvidence) {
     let (width, height) = (frame.volume.width(), frame.volume.height());
@@ -134,7 +133,7 @@ fn draw_looks(frame: &Frame<'_>, edge: usize, row: usize, look: &mut Look, evide
     }
 }
 
-/// The mean over the pixels of the look, as evidence for a cell of which any part may be filled: ln((1 + odds ratio) / 2).
+/// The mean over the pixels of the look, unless it is as good as none, as evidence for a cell of which any part may be filled: ln((1 + odds ratio) / 2).
 #[inline(always)]
 fn offer(look: &Look, evidence: &FrameEvidence) {
     let per_pixel = 1.0 / look.pixels.len() as f32;

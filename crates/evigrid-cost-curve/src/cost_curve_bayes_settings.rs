@@ -51,7 +51,8 @@ impl CostCurveBayesSettings {
             require((1e-6..=0.5).contains(&p), key, "a number from 0.000001 to 0.5", p.to_string())?;
         }
         let depth = self.max_depth_m;
-        require(depth.is_finite() && depth > 0.0, "max_depth_m", "a positive number", depth.to_string())?;
+        let expected = "a positive number up to 1000";
+        require(depth > 0.0 && depth <= 1000.0, "max_depth_m", expected, depth.to_string())?;
         require(self.look_px <= 255, "look_px", "a number from 0 to 255", self.look_px.to_string())?;
         let [min, max] = self.log_odds_bounds;
         let bounded = (-40.0..self.prior_log_odds()).contains(&min) && max > 0.0 && max <= 40.0;

@@ -14,13 +14,13 @@ const WIDE: Clamp = Clamp { min: -40.0, max: 40.0 };
 /// What all looks of a frame have in common.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LookModel {
-    /// 1 / t, per unit of the volume.
+    /// 1 / b, per unit of the volume.
     pub sharpness: f32,
     /// Share of pixels whose costs say nothing.
     pub outliers: f32,
     /// Prior probability that a cell stops a ray that reaches it.
     pub stops: f32,
-    /// Hypotheses, counted from the nearest, that lie wholly or in part beyond the greatest depth begin here.
+    /// The first hypothesis, counted from the nearest, that reaches beyond the greatest depth; their number if none does.
     pub first_beyond: usize,
 }
 
@@ -52,23 +52,34 @@ impl Look {
         }
     }
 
-    /// p(E | d) of every hypothesis but for a factor that is the pixel's own: (1 - outliers) exp(-E/t) / sum + outliers / n.
+    /// p(E | d) of every hypothesis: (1 - outliers) m/n exp(-E/b) / sum + outliers / n for the m that have a cost, 1/n for the
+    /// others, of which the costs say nothing.
     #[inline(always)]
     fn fill_likelihoods(&mut self, model: &LookModel, volume: &CostVolume, first: usize, count: usize) {
         let least = self.fill_costs(volume, first, count);
-        let mut sum = [0.0_f32; LANES];
+        let (mut sum, mut measured) = ([0.0_f32; LANES], [0.0_f32; LANES]);
         for row in &mut self.likelihoods {
             for l in 0..LANES {
-                // Missing costs are infinite.
-                row[l] = exp_negative((row[l] - least[l]) * model.sharpness);
-                sum[l] += row[l];
+                measured[l] += if row[l] < f32::INFINITY { 1.0 } else { 0.0 };
+                // Missing costs are infinite, and stay below 0.
+                row[l] = if row[l] < f32::INFINITY {
+                    exp_negative((row[l] - least[l]) * model.sharpness)
+                } else {
+                    -1.0
+                };
+                sum[l] += if row[l] < 0.0 { 0.0 } else { row[l] };
             }
         }
-        let scale = sum.map(|s| (1.0 - model.outliers) / s);
-        let floor = model.outliers / self.likelihoods.len() as f32;
+        let nothing = 1.0 / self.likelihoods.len() as f32;
+        let mut scale = [0.0_f32; LANES];
+        for l in 0..LANES {
+            scale[l] =
+                if sum[l] > 0.0 { (1.0 - model.outliers) * nothing * measured[l] / sum[l] } else { 0.0 };
+        }
         for row in &mut self.likelihoods {
             for l in 0..LANES {
-                row[l] = row[l] * scale[l] + floor;
+                let told = row[l] * scale[l] + model.outliers * nothing;
+                row[l] = if row[l] < 0.0 { nothing } else { told };
             }
         }
     }
@@ -96,15 +107,16 @@ impl Look {
         least.map(f32::from)
     }
 
-    /// w_i = stops (1 - stops)^(i-1) g_i of every cell, where g_i is the mean of p(E | d) over its length; returns their sum
-    /// and what is left for obstacles beyond all cells.
+    /// w_i = stops (1 - stops)^(i-1) g_i of every cell, where g_i is the mean of p(E | d) over its length, 1/n where no
+    /// hypothesis is; returns their sum and what is left for obstacles beyond all cells.
     #[inline(always)]
     fn fill_weights(&mut self, model: &LookModel) -> [f32; LANES] {
         self.weights.clear();
         let mut prior = model.stops;
         let mut all = [0.0_f32; LANES];
         for cell in 0..self.sections.cells.len() {
-            let mut weight = [0.0_f32; LANES];
+            let unmeasured = self.sections.unmeasured(cell) / self.likelihoods.len() as f32;
+            let mut weight = [unmeasured * prior; LANES];
             for part in self.sections.parts_of(cell) {
                 let (g, share) = (&self.likelihoods[part.hypothesis as usize], part.share * prior);
                 for l in 0..LANES {
@@ -120,12 +132,15 @@ impl Look {
         self.add_beyond(model, prior / model.stops, all)
     }
 
-    /// Obstacles beyond all cells, whose hypotheses are equally likely.
+    /// Obstacles beyond all cells: the hypotheses that reach there are equally likely; 1/n where none does.
     #[inline(always)]
     fn add_beyond(&self, model: &LookModel, prior: f32, mut all: [f32; LANES]) -> [f32; LANES] {
-        let first = model.first_beyond.min(self.likelihoods.len() - 1);
-        let share = prior / (self.likelihoods.len() - first) as f32;
-        for row in &self.likelihoods[first..] {
+        let beyond = &self.likelihoods[model.first_beyond.min(self.likelihoods.len())..];
+        if beyond.is_empty() {
+            return all.map(|sum| sum + prior / self.likelihoods.len() as f32);
+        }
+        let share = prior / beyond.len() as f32;
+        for row in beyond {
             for l in 0..LANES {
                 all[l] += share * row[l];
             }
@@ -137,7 +152,10 @@ impl Look {
     #[inline(always)]
     fn add_log_odds(&mut self, model: &LookModel, all: [f32; LANES], count: usize) {
         let prior = log_odds(model.stops, WIDE);
-        let per_all = all.map(f32::recip);
+        let mut per_all = [0.0_f32; LANES];
+        for l in 0..LANES {
+            per_all[l] = 1.0 / all[l];
+        }
         let mut before = [0.0_f32; LANES];
         for (weights, sum) in self.weights.iter().zip(&mut self.sums) {
             let mut l_odds = [0.0_f32; LANES];
