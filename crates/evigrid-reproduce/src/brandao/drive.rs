@@ -24,7 +24,7 @@ pub fn find(job: &Job<'_, '_>) -> Result<Option<Drive>> {
     known.sort_by_key(|d| d.id != WANTED);
     for data in known {
         let dir = data.dir_below(&job.folders.data);
-        if dir.exists() {
+        if dir.join("image_00/data").is_dir() {
             let frames = format!("{}..{}", data.frames.start, data.frames.end);
             return Ok(Some(Drive { dir, frames }));
         }

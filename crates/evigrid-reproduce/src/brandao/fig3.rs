@@ -43,15 +43,14 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
     job.write_picture(&picture(&costs, &free))
 }
 
-/// The costs of all hypotheses nearer than the true surface, which are in visible free space, and of the whole
-/// disparity nearest to the true one.
+/// The costs of the whole disparity nearest to the true one, and of all larger ones, which are in visible free space.
 fn costs(volume: &CostVolume, truth: &Disparity) -> Costs {
     let mut costs = Costs { free: Counts::up_to(LARGEST), surface: Counts::up_to(LARGEST) };
     for y in 0..volume.height() {
         for (x, &d_true) in truth.row(y).iter().enumerate().filter(|(_, d)| !d.is_nan()) {
             for (index, cost) in volume.curve(x, y).enumerate().filter(|(_, cost)| *cost != NO_COST) {
                 let d = (volume.min_disparity() + index) as f32;
-                if d > d_true {
+                if d > d_true.round() {
                     costs.free.add(usize::from(cost));
                 }
                 if d == d_true.round() {

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use evigrid_core::{Frame, GrayImage, Pose, StereoRig};
-use evigrid_eval::{Clock, Config};
+use evigrid_eval::{Clock, Config, Method};
 use evigrid_grid::{GridSpec, View};
 use evigrid_replay::Sequence;
 use evigrid_stereo::BlockMatcher;
@@ -140,7 +140,11 @@ impl Stopwatch<'_> {
             fastest_s,
             paper_s,
         };
-        let paper_s = if keep_volume { size.paper_whole_s } else { size.paper_winner_s };
+        let paper_s = match reading.method {
+            Method::WinnerTakeAll => size.paper_winner_s,
+            Method::CostCurve => size.paper_whole_s,
+            _ => f64::NAN,
+        };
         Ok([timing("matching", matching_s, size.paper_matching_s), timing("inverse model", model_s, paper_s)])
     }
 
