@@ -167,7 +167,7 @@ fn a_wall_by_geometry() {
 
 #[test]
 fn log_odds_of_one_measurement_of_figure_1() {
-    // Constant variance 5: P at the measured cell is 0.508414 (digest of Fig. 1).
+    // Constant variance 5: P at the measured cell is 0.508414 (Fig. 1, from the closed form).
     let n = RIG.width * RIG.height;
     let mut disparity = vec![f32::NAN; n];
     // Column and row of the principal point do not hit a pixel: choose one and follow its ray.

@@ -72,7 +72,7 @@ fn fig1_has_the_known_values() {
     assert!((1..=40).all(|cell| p(cell) <= p(20)) && p(1) < 1e-6 && (p(40) - 0.5).abs() < 1e-6);
 }
 
-/// Eqs 4 and 5 from the likelihoods in the table, by the identities of the digest.
+/// Eqs 4 and 5 from the likelihoods in the table, by the identities that follow from them.
 #[test]
 fn fig2_follows_from_the_costs_that_it_carries() {
     let rows = make("fig2", Path::new(NOWHERE)).unwrap();
