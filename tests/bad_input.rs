@@ -119,6 +119,10 @@ fn wrong_arguments() {
     );
     refused(&["--set", "stereo.semi_global.pahts=4"], &["did you mean `stereo.semi_global.paths`?"]);
     refused(&["--set", "stereo.matcher=blok"], &["blok", "semi-global"]);
+    refused(&["--set", "stereo.graph_cuts.lambda=-1"], &["stereo.graph_cuts.lambda", "found -1"]);
+    refused(&["--set", "stereo.graph_cuts.cutoff=0"], &["stereo.graph_cuts.cutoff", "found 0"]);
+    let no_costs = ["--method", "cost-curve", "--set", "stereo.matcher=graph-cuts"];
+    refused(&no_costs, &["stereo.matcher", "`cost-curve`", "found graph-cuts"]);
     refused(&["--set", "winner-take-all.peak_ratio=0"], &["winner-take-all.peak_ratio", "found 0"]);
     refused(&["--set", "cost-curve.variance_factor=0"], &["cost-curve.variance_factor", "found 0"]);
     let from_elsewhere = ["--method", "cost-curve", "--set", "input.disparity_dir=elsewhere"];

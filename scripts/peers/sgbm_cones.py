@@ -3,7 +3,7 @@
     sgbm_cones.py data/middlebury/cones
 
 Block 5, P1 200, P2 800, uniqueness 5, 64 disparities; the left-right check of StereoSGBM is always on. Columns as those of
-`cargo run --release -p evigrid-reproduce --example matching`.
+`evigrid reproduce souza/matching`.
 """
 
 import argparse

@@ -48,20 +48,33 @@ pub(crate) fn check_settings(config: &Config) -> Result<Vec<Method>> {
     config.truth.checked()?;
     config.winner_take_all.checked()?;
     config.cost_curve.checked()?;
+    config.cost_curve_bayes.checked()?;
     config.line.checked()?;
     config.line_pyramid.checked()?;
     config.ray.checked()?;
     config.ray_pyramid.checked()?;
     config.souza.checked()?;
+    if let Some(method) = methods.iter().find(|m| m.needs_costs()) {
+        check_costs(config, method.name())?;
+    }
+    check_tolerances(&config.score.tolerances_m, config.grid.cell_size_m)?;
+    Ok(methods)
+}
+
+/// Checks that there will be matching costs for the method of this name, which needs them.
+fn check_costs(config: &Config, name: &str) -> Result<()> {
     let elsewhere = &config.input.disparity_dir;
-    if let Some(method) = methods.iter().find(|m| m.needs_costs() && !elsewhere.is_empty()) {
-        let name = method.name();
+    if !elsewhere.is_empty() {
         bail!(
             "input.disparity_dir: expected none for `{name}`, which needs matching costs, found `{elsewhere}`"
         );
     }
-    check_tolerances(&config.score.tolerances_m, config.grid.cell_size_m)?;
-    Ok(methods)
+    if !config.stereo.matcher.has_volume() {
+        bail!(
+            "stereo.matcher: expected block or semi-global for `{name}`, which needs matching costs, found graph-cuts"
+        );
+    }
+    Ok(())
 }
 
 /// What a run of these settings on a recording is.

@@ -1,7 +1,7 @@
 use evigrid_core::{CoreError, Disparity};
 
 /// How a disparity image compares with the true one, over the pixels whose true disparity is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MatchingScores {
     /// Pixels whose true disparity is known.
     pub pixels: usize,
@@ -9,6 +9,8 @@ pub struct MatchingScores {
     pub matched: usize,
     /// Measurements that are off by more than the tolerance.
     pub wrong: usize,
+    /// Sum over the measurements of how far they are off, pixels.
+    pub off_px: f64,
 }
 
 impl MatchingScores {
@@ -26,13 +28,31 @@ impl MatchingScores {
                 height: found.height(),
             });
         }
-        let mut scores = Self { pixels: 0, matched: 0, wrong: 0 };
+        let mut scores = Self::default();
         for (found, truth) in found.values().iter().zip(truth.values()).filter(|(_, t)| !t.is_nan()) {
             scores.pixels += 1;
             scores.matched += usize::from(!found.is_nan());
-            scores.wrong += usize::from((found - truth).abs() > tolerance_px);
+            let off_px = (found - truth).abs();
+            scores.wrong += usize::from(off_px > tolerance_px);
+            scores.off_px += if off_px.is_nan() { 0.0 } else { f64::from(off_px) };
         }
         Ok(scores)
+    }
+
+    /// The scores of several images together.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            pixels: self.pixels + other.pixels,
+            matched: self.matched + other.matched,
+            wrong: self.wrong + other.wrong,
+            off_px: self.off_px + other.off_px,
+        }
+    }
+
+    /// How far measurements are off on average, pixels; NaN without measurements.
+    pub fn mean_error_px(&self) -> f64 {
+        self.off_px / self.matched as f64
     }
 
     /// Share of the pixels that carry a measurement; NaN without pixels.
@@ -57,8 +77,11 @@ mod tests {
         let truth = image(&[5.0, 5.0, 5.0, 5.0, nan, nan]);
         let found = image(&[5.5, 6.0, 6.5, nan, 9.0, nan]);
         let scores = MatchingScores::new(&found, &truth, 1.0).unwrap();
-        assert_eq!(scores, MatchingScores { pixels: 4, matched: 3, wrong: 1 });
+        assert_eq!(scores, MatchingScores { pixels: 4, matched: 3, wrong: 1, off_px: 3.0 });
         assert_eq!((scores.density(), scores.error_rate()), (0.75, 1.0 / 3.0));
+        assert_eq!(scores.mean_error_px(), 1.0);
+        let twice = scores.plus(scores);
+        assert_eq!((twice.pixels, twice.matched, twice.wrong, twice.mean_error_px()), (8, 6, 2, 1.0));
         assert!(MatchingScores::new(&image(&[1.0]), &truth, 1.0).is_err());
     }
 }

@@ -7,8 +7,10 @@
 mod brandao;
 mod chart;
 mod difficulty;
+mod job;
 mod picture;
 mod safety_maps;
+mod souza;
 mod table;
 mod worlds;
 
@@ -38,7 +40,7 @@ pub struct Tools<'a> {
 }
 
 /// The groups there are.
-pub const GROUPS: [&str; 2] = ["worlds", "brandao"];
+pub const GROUPS: [&str; 3] = ["worlds", "brandao", "souza"];
 
 /// Makes everything of a group, or one item of it (`GROUP/ITEM`), and names the files it wrote.
 ///
@@ -53,6 +55,7 @@ pub fn reproduce(name: &str, folders: &Folders, tools: &mut Tools<'_>) -> Result
     match group {
         "worlds" => worlds::reproduce(item, folders, tools.report),
         "brandao" => brandao::reproduce(item, folders, tools),
+        "souza" => souza::reproduce(item, folders, tools),
         _ => bail!("reproduce: unknown group `{group}`{}", name_hint(group, GROUPS)),
     }
 }

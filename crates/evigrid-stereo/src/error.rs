@@ -17,6 +17,22 @@ pub enum StereoError {
         /// The offending value, pixels.
         found: f32,
     },
+    /// A weight of the smoothness that no energy could have.
+    #[error("stereo.graph_cuts.lambda: expected a number from 0 to 10000, found {found}")]
+    Lambda {
+        /// The offending value, squared grey levels.
+        found: f32,
+    },
+    /// An image too large for graph cuts.
+    #[error("graph cuts: expected an image of at most {most} pixels, found {width}x{height}")]
+    TooManyPixels {
+        /// Width of the image, pixels.
+        width: usize,
+        /// Height of the image, pixels.
+        height: usize,
+        /// The largest number of pixels.
+        most: usize,
+    },
     /// An image in which not one window fits.
     #[error("stereo.window: expected a window within the {width}x{height} image, found {window}")]
     WindowTooLarge {

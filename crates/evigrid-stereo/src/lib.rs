@@ -1,7 +1,10 @@
 //! Matchers: from a rectified stereo pair to disparities, confidences and the cost volume.
 
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
 mod block_matcher;
 mod error;
+mod graph_cuts;
 mod matcher;
 mod matching;
 mod post_filter;
@@ -14,6 +17,7 @@ mod winner;
 
 pub use block_matcher::BlockMatcher;
 pub use error::StereoError;
+pub use graph_cuts::{GraphCutMatcher, GraphCutSettings};
 pub use matcher::Matcher;
 pub use matching::Matching;
 pub use post_filter::{drop_matches, speckles};

@@ -3,8 +3,8 @@ use std::borrow::Cow;
 use evigrid_core::GrayImage;
 
 use crate::{
-    BlockMatcher, MatcherKind, Matching, PreFilter, SemiGlobalMatcher, StereoError, StereoSettings,
-    drop_matches, speckles, texture,
+    BlockMatcher, GraphCutMatcher, MatcherKind, Matching, PreFilter, SemiGlobalMatcher, StereoError,
+    StereoSettings, drop_matches, speckles, texture,
 };
 
 /// The matcher that settings name, with its filters.
@@ -18,6 +18,7 @@ pub struct Matcher {
 enum Algorithm {
     Block(BlockMatcher),
     SemiGlobal(Box<SemiGlobalMatcher>),
+    GraphCuts(GraphCutMatcher),
 }
 
 impl Matcher {
@@ -37,15 +38,19 @@ impl Matcher {
                 let matcher = SemiGlobalMatcher::new(semi_global, min_disparity, disparities)?;
                 Algorithm::SemiGlobal(Box::new(matcher.with_uniqueness(percent)))
             }
+            MatcherKind::GraphCuts => {
+                let StereoSettings { graph_cuts, min_disparity, disparities, .. } = settings;
+                Algorithm::GraphCuts(GraphCutMatcher::new(graph_cuts, min_disparity, disparities)?)
+            }
         };
         Ok(Self { settings, algorithm })
     }
 
-    /// Matches a pair: pre-filter, matcher, post-filters. `keep_volume` keeps all costs; `recycled` is the result of an
-    /// earlier frame, whose buffers are filled again. The result does not depend on the number of threads.
+    /// Matches a pair: pre-filter, matcher, post-filters. `keep_volume` keeps all costs, if the matcher has any;
+    /// `recycled` is the result of an earlier frame, whose buffers are filled again. The result does not depend on the number of threads.
     ///
     /// # Errors
-    /// If the images differ in size or are smaller than the window of block matching.
+    /// If the images differ in size or are smaller than the window of block matching or too large for graph cuts.
     pub fn run(
         &mut self,
         left: &GrayImage,
@@ -57,6 +62,7 @@ impl Matcher {
         let matching = match &mut self.algorithm {
             Algorithm::Block(m) => m.run(&filtered_left, &filtered_right, keep_volume, recycled)?,
             Algorithm::SemiGlobal(m) => m.run(&filtered_left, &filtered_right, keep_volume, recycled)?,
+            Algorithm::GraphCuts(m) => m.run(&filtered_left, &filtered_right, recycled)?,
         };
         self.post_filtered(left, matching)
     }

@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{BlockMatchingSettings, PreFilter, SemiGlobalSettings, StereoError};
+use crate::{BlockMatchingSettings, GraphCutSettings, PreFilter, SemiGlobalSettings, StereoError};
 
 /// How pairs are matched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
@@ -12,13 +12,22 @@ pub enum MatcherKind {
     Block,
     /// Block costs summed along paths on which steps are penalised (Hirschmueller 2008).
     SemiGlobal,
+    /// One energy of the whole image lowered by minimum cuts, with occlusions (Kolmogorov and Zabih 2001).
+    GraphCuts,
+}
+
+impl MatcherKind {
+    /// Whether it has a cost volume to give away.
+    pub fn has_volume(self) -> bool {
+        self != Self::GraphCuts
+    }
 }
 
 /// Matching: the matcher, its hypotheses, and the filters before and after it, all of which are off by default.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct StereoSettings {
-    /// block or semi-global. Unit: none. Source: Brandao et al. IV (block).
+    /// block, semi-global or graph-cuts. Unit: none. Source: Brandao et al. IV (block); Souza et al. 4.1 (block, graph-cuts).
     pub matcher: MatcherKind,
     /// Edge of the square window over which absolute differences are summed (matcher block), and of that of the texture; odd. Unit: px. Source: Brandao et al. IV (7).
     pub window: usize,
@@ -34,7 +43,7 @@ pub struct StereoSettings {
     pub pre_filter_window: usize,
     /// Drop matches where the absolute Sobel responses of the left window sum to less; 0: none. Unit: grey levels. Source: OpenCV (textureThreshold).
     pub texture_threshold: usize,
-    /// Drop matches for which a hypothesis that is no neighbour of the winner costs less than 100 / (100 - this) times as much; 0: none. Unit: percent. Source: OpenCV (uniquenessRatio: 5 to 15).
+    /// Drop matches for which a hypothesis that is no neighbour of the winner costs less than 100 / (100 - this) times as much; 0: none. Matchers block and semi-global. Unit: percent. Source: OpenCV (uniquenessRatio: 5 to 15).
     pub uniqueness_percent: usize,
     /// Drop connected regions of at most so many pixels; 0: none. Unit: pixels. Source: OpenCV (speckleWindowSize: 50 to 200).
     pub speckle_pixels: usize,
@@ -42,6 +51,8 @@ pub struct StereoSettings {
     pub speckle_step_px: f32,
     /// Matcher semi-global. Unit: none. Source: Hirschmueller 2008.
     pub semi_global: SemiGlobalSettings,
+    /// Matcher graph-cuts. Unit: none. Source: Kolmogorov and Zabih 2001.
+    pub graph_cuts: GraphCutSettings,
 }
 
 impl Default for StereoSettings {
@@ -60,6 +71,7 @@ impl Default for StereoSettings {
             speckle_pixels: 0,
             speckle_step_px: 1.0,
             semi_global: SemiGlobalSettings::default(),
+            graph_cuts: GraphCutSettings::default(),
         }
     }
 }
@@ -82,6 +94,7 @@ impl StereoSettings {
     pub fn checked(self) -> Result<Self, StereoError> {
         self.block().checked()?;
         self.semi_global.checked()?;
+        self.graph_cuts.checked()?;
         let require = |ok: bool, key, expected, found| {
             if ok { Ok(()) } else { Err(StereoError::Setting { key, expected, found }) }
         };
@@ -105,11 +118,13 @@ impl StereoSettings {
     }
 
     /// What the numbers of the cost volume stand for. Under semi-global matching, whose volume is the mean over the
-    /// paths, it is the cost of one block; penalties on the paths add to it.
+    /// paths, it is the cost of one block; penalties on the paths add to it. Graph cuts have
+    /// none.
     pub fn cost_unit(&self) -> CostUnit {
         let (edge, shift) = match self.matcher {
             MatcherKind::Block => (self.window, self.block().cost_shift()),
             MatcherKind::SemiGlobal => (self.semi_global.block, self.semi_global.cost_shift()),
+            MatcherKind::GraphCuts => (1, 0),
         };
         CostUnit { pixels: (edge * edge) as f64, levels: f64::from(1_u32 << shift) }
     }

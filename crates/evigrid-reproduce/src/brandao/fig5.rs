@@ -119,7 +119,7 @@ mod tests {
         let folders = Folders { data: out.path().to_owned(), out: out.path().to_owned() };
         let clock = RealClock::default();
         let mut tools = Tools { report: &mut |_| {}, clock: &clock, recorder: &|_| Ok(None) };
-        let mut job = Job::new(&folders, &mut tools);
+        let mut job = Job::new("brandao", &folders, &mut tools);
         job.begin("fig6");
         let readings = vec![methods::winner_take_all(1.0, "holes"), methods::winner_take_all(1.6, "")];
         make(&mut job, BarRun { frames: "9..11", cell_size_m: 0.1 }, readings, "Fig. 6").unwrap();

@@ -13,7 +13,6 @@ mod fig2;
 mod fig3;
 mod fig4;
 mod fig5;
-mod job;
 mod methods;
 mod moments;
 mod ray;
@@ -22,14 +21,10 @@ mod top_view;
 
 use std::path::PathBuf;
 
-use anyhow::{Result, bail};
-use evigrid_core::name_hint;
+use anyhow::Result;
 
+use crate::job::{self, Make};
 use crate::{Folders, Tools};
-use job::{Job, Missing};
-
-/// What makes an item.
-type Make = fn(&mut Job<'_, '_>) -> Result<()>;
 
 /// All items, in the order of the paper. (Fig. 7 is a photograph and the laser's reference.)
 const ITEMS: [(&str, Make); 10] = [
@@ -47,24 +42,5 @@ const ITEMS: [(&str, Make); 10] = [
 
 /// Makes one item or all of them; of all, those whose data are not there are left out and named.
 pub fn reproduce(item: Option<&str>, folders: &Folders, tools: &mut Tools<'_>) -> Result<Vec<PathBuf>> {
-    let mut job = Job::new(folders, tools);
-    if let Some(item) = item {
-        let Some((name, make)) = ITEMS.iter().find(|(name, _)| *name == item) else {
-            bail!(
-                "reproduce: unknown item `brandao/{item}`{}",
-                name_hint(item, ITEMS.iter().map(|(name, _)| *name))
-            );
-        };
-        job.begin(name);
-        make(&mut job)?;
-        return Ok(job.files);
-    }
-    for (name, make) in ITEMS {
-        job.begin(name);
-        match make(&mut job) {
-            Err(error) if error.is::<Missing>() => log::warn!("{name} is left out: {error}"),
-            result => result?,
-        }
-    }
-    Ok(job.files)
+    job::make_items("brandao", &ITEMS, item, folders, tools)
 }

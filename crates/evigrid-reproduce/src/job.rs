@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
+use evigrid_core::name_hint;
 use evigrid_replay::DatasetInfo;
 
 use crate::chart::Sheet;
@@ -19,17 +20,49 @@ impl std::fmt::Display for Missing {
 
 impl std::error::Error for Missing {}
 
+/// What makes an item.
+pub type Make = fn(&mut Job<'_, '_>) -> Result<()>;
+
+/// Makes one item of a group or all of them; of all, those whose data are not there are left out and named.
+pub fn make_items(
+    group: &'static str,
+    items: &[(&'static str, Make)],
+    item: Option<&str>,
+    folders: &Folders,
+    tools: &mut Tools<'_>,
+) -> Result<Vec<PathBuf>> {
+    let mut job = Job::new(group, folders, tools);
+    if let Some(item) = item {
+        let Some((name, make)) = items.iter().find(|(name, _)| *name == item) else {
+            let hint = name_hint(item, items.iter().map(|(name, _)| *name));
+            bail!("reproduce: unknown item `{group}/{item}`{hint}");
+        };
+        job.begin(name);
+        make(&mut job)?;
+        return Ok(job.files);
+    }
+    for (name, make) in items {
+        job.begin(name);
+        match make(&mut job) {
+            Err(error) if error.is::<Missing>() => log::warn!("{name} is left out: {error}"),
+            result => result?,
+        }
+    }
+    Ok(job.files)
+}
+
 /// One item at work: where it reads and writes, and what it has written.
 pub struct Job<'a, 'b> {
     pub folders: &'a Folders,
     pub tools: &'a mut Tools<'b>,
     pub files: Vec<PathBuf>,
+    group: &'static str,
     item: &'static str,
 }
 
 impl<'a, 'b> Job<'a, 'b> {
-    pub fn new(folders: &'a Folders, tools: &'a mut Tools<'b>) -> Self {
-        Self { folders, tools, files: Vec::new(), item: "" }
+    pub fn new(group: &'static str, folders: &'a Folders, tools: &'a mut Tools<'b>) -> Self {
+        Self { folders, tools, files: Vec::new(), group, item: "" }
     }
 
     /// The next item.
@@ -51,7 +84,7 @@ impl<'a, 'b> Job<'a, 'b> {
 
     /// The group's folder.
     pub fn dir(&self) -> PathBuf {
-        self.folders.out.join("brandao")
+        self.folders.out.join(self.group)
     }
 
     /// Writes the item's table.
@@ -102,9 +135,9 @@ impl<'a, 'b> Job<'a, 'b> {
     pub fn missing(&self, id: &str) -> anyhow::Error {
         let data = self.folders.data.display();
         Missing(format!(
-            "brandao/{} needs the data set {id}, found none below {data} \
+            "{}/{} needs the data set {id}, found none below {data} \
              (scripts/download_datasets.sh {id} {data} fetches it)",
-            self.item
+            self.group, self.item
         ))
         .into()
     }
