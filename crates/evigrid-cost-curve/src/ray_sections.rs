@@ -64,13 +64,6 @@ impl RaySections {
         i
     }
 
-    /// The share of a cell that no hypothesis takes up.
-    #[inline(always)]
-    pub fn unmeasured(&self, cell: usize) -> f32 {
-        let share = 1.0 - self.parts_of(cell).iter().map(|part| part.share).sum::<f32>();
-        if share > 0.0 { share } else { 0.0 }
-    }
-
     /// The parts of a cell.
     #[inline(always)]
     pub fn parts_of(&self, cell: usize) -> &[Part] {
