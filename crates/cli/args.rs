@@ -135,8 +135,8 @@ pub struct CheckArgs {
 #[derive(Debug, clap::Args)]
 pub struct ReproduceArgs {
     /// What to make: GROUP or GROUP/ITEM; `worlds` is the table and the pictures of docs/synthetic.md, `worlds/NAME` and
-    /// `worlds/FILE.toml` are those of one world; `brandao` is fig1 to fig6, fig8 to fig10 and table1 of that paper;
-    /// `souza` is matching [default: all].
+    /// `worlds/FILE.toml` are those of one world; `andert` is fig1, fig3 to fig7 and table1 of that paper, `souza` fig1, fig7, fig9,
+    /// matching and motion-error, `brandao` fig1 to fig6, fig8 to fig10 and table1 [default: all].
     #[arg(value_name = "GROUP[/ITEM]")]
     pub names: Vec<String>,
     /// Folder below which the data sets lie [default: $EVIGRID_DATA, else data].

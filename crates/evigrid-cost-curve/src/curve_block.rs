@@ -1,9 +1,9 @@
 //! Eqs 7, 9 or 6, 5 and 4 for some neighbouring pixels of a row at once.
 
 use evigrid_core::{CostVolume, NO_COST};
-use evigrid_grid::{Clamp, FrameEvidence, probability};
+use evigrid_grid::{Clamp, FrameEvidence, bounded_logit, probability};
 
-use crate::fast_math::{exp_negative, log_odds};
+use crate::fast_math::exp_negative;
 use crate::{CostExponent, CostScale, FreeSpaceCosts};
 
 /// Pixels of a block: as many as a cache line holds costs.
@@ -196,7 +196,7 @@ impl CurveModel {
     /// The key of a probability. What is as low as the bound is free, whatever rounding says.
     #[inline(always)]
     pub fn key(&self, p: f32) -> i32 {
-        let l = log_odds(p, self.bounds);
+        let l = bounded_logit(p, self.bounds);
         FrameEvidence::key(if p > self.least { l } else { self.bounds.min })
     }
 }

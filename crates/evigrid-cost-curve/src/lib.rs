@@ -43,7 +43,7 @@ pub use cost_statistics::{
 };
 pub use elfes::{occupancy, occupancy_from_weights};
 pub use error::SettingError;
-pub use fast_math::{EXP2_ERROR, LOG_ODDS_ERROR};
+pub use fast_math::EXP2_ERROR;
 pub use peak_ratios::PeakRatios;
 pub use profile::{GaussianProfile, PRIOR_TOLERANCE, Profile, ProfileTable};
 pub use settings::{Deviation, WinnerTakeAllSettings};

@@ -1,9 +1,9 @@
 //! The evidence of one look: pixels whose matching windows share most of the image, along the ray in their middle.
 
 use evigrid_core::{CostVolume, NO_COST};
-use evigrid_grid::Clamp;
+use evigrid_grid::{Clamp, bounded_logit};
 
-use crate::fast_math::{exp_negative, log_odds};
+use crate::fast_math::exp_negative;
 use crate::ray_sections::RaySections;
 
 /// Pixels that are computed side by side.
@@ -181,7 +181,7 @@ impl Look {
     /// ln odds(P_i) - ln odds(prior), P_i = (w_i + stops sum_{j<i} w_j) / all.
     #[inline(always)]
     fn add_log_odds(&mut self, model: &LookModel, all: [f32; LANES], count: usize) {
-        let prior = log_odds(model.stops, WIDE);
+        let prior = bounded_logit(model.stops, WIDE);
         let mut per_all = [0.0_f32; LANES];
         for l in 0..LANES {
             per_all[l] = 1.0 / all[l];
@@ -192,7 +192,7 @@ impl Look {
         for (weights, sums) in self.weights.iter().zip(&mut self.lane_sums) {
             for l in 0..LANES {
                 let p = (weights[l] + model.stops * before[l]) * per_all[l];
-                sums[l] += (log_odds(if p < 1.0 { p } else { 1.0 }, WIDE) - prior) * counts[l];
+                sums[l] += (bounded_logit(if p < 1.0 { p } else { 1.0 }, WIDE) - prior) * counts[l];
                 before[l] += weights[l];
             }
         }

@@ -2,6 +2,7 @@
 //! every mapping method.
 
 mod evidence;
+mod fast_logit;
 mod log_odds;
 mod mapper;
 mod nested;
@@ -10,6 +11,7 @@ mod ray_walk;
 mod spec;
 
 pub use evidence::FrameEvidence;
+pub use fast_logit::{LOG_ODDS_ERROR, bounded_logit};
 pub use log_odds::{Belief, Clamp, LogOddsGrid, logit, probability};
 pub use mapper::{Mapper, MapperFamily, View};
 pub use nested::{NestedEvidence, NestedMaps};

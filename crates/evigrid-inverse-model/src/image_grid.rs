@@ -2,13 +2,12 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-use evigrid_grid::{Clamp, GridSpec, LogOddsGrid};
+use evigrid_grid::{Clamp, GridSpec, LogOddsGrid, bounded_logit};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::PoseDeviation;
 use crate::blur::Blur;
-use crate::fast_logit::bounded_logit;
 
 /// Cells whose marks are in one word.
 const BLOCK: usize = 64;

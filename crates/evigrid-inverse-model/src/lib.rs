@@ -8,7 +8,6 @@ mod bresenham;
 mod camera;
 mod counters;
 mod error;
-mod fast_logit;
 mod filter;
 mod gaussian_table;
 mod image_grid;

@@ -1,3 +1,5 @@
+//! One item at work, and what all groups have in common.
+
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
@@ -7,18 +9,6 @@ use evigrid_replay::DatasetInfo;
 use crate::chart::Sheet;
 use crate::table::csv_text;
 use crate::{Folders, Tools, write_file};
-
-/// Data that an item needs and that are not there.
-#[derive(Debug)]
-pub struct Missing(String);
-
-impl std::fmt::Display for Missing {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Missing {}
 
 /// What makes an item.
 pub type Make = fn(&mut Job<'_, '_>) -> Result<()>;
@@ -50,6 +40,18 @@ pub fn make_items(
     }
     Ok(job.files)
 }
+
+/// Data that an item needs and that are not there.
+#[derive(Debug)]
+pub struct Missing(String);
+
+impl std::fmt::Display for Missing {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Missing {}
 
 /// One item at work: where it reads and writes, and what it has written.
 pub struct Job<'a, 'b> {
@@ -133,11 +135,10 @@ impl<'a, 'b> Job<'a, 'b> {
 
     /// What to say where it is not.
     pub fn missing(&self, id: &str) -> anyhow::Error {
-        let data = self.folders.data.display();
+        let (Self { group, item, .. }, data) = (self, self.folders.data.display());
         Missing(format!(
-            "{}/{} needs the data set {id}, found none below {data} \
-             (scripts/download_datasets.sh {id} {data} fetches it)",
-            self.group, self.item
+            "{group}/{item} needs the data set {id}, found none below {data} \
+             (scripts/download_datasets.sh {id} {data} fetches it)"
         ))
         .into()
     }

@@ -4,13 +4,19 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+mod andert;
 mod brandao;
+mod cells;
 mod chart;
 mod difficulty;
+mod drive;
+mod image_view;
 mod job;
 mod picture;
+mod profile;
 mod safety_maps;
 mod souza;
+mod stopwatch;
 mod table;
 mod worlds;
 
@@ -40,7 +46,7 @@ pub struct Tools<'a> {
 }
 
 /// The groups there are.
-pub const GROUPS: [&str; 3] = ["worlds", "brandao", "souza"];
+pub const GROUPS: [&str; 4] = ["worlds", "andert", "souza", "brandao"];
 
 /// Makes everything of a group, or one item of it (`GROUP/ITEM`), and names the files it wrote.
 ///
@@ -54,8 +60,9 @@ pub fn reproduce(name: &str, folders: &Folders, tools: &mut Tools<'_>) -> Result
     };
     match group {
         "worlds" => worlds::reproduce(item, folders, tools.report),
-        "brandao" => brandao::reproduce(item, folders, tools),
+        "andert" => andert::reproduce(item, folders, tools),
         "souza" => souza::reproduce(item, folders, tools),
+        "brandao" => brandao::reproduce(item, folders, tools),
         _ => bail!("reproduce: unknown group `{group}`{}", name_hint(group, GROUPS)),
     }
 }

@@ -7,8 +7,8 @@ use evigrid_synth::{SyntheticSequence, World};
 use super::bar_picture::BarViews;
 use super::bar_score::BarScore;
 use super::bars::{Bars, WORLD, grid_sets};
-use super::job::Job;
 use super::methods::Reading;
+use crate::job::Job;
 
 /// How the world is mapped.
 #[derive(Debug, Clone, Copy)]

@@ -4,11 +4,11 @@ use anyhow::Result;
 use evigrid_eval::{Config, Method, Observer, Plan, ResultsFolder, evaluate, map_together};
 use evigrid_metrics::Counts;
 
-use super::drive::{self, Drive};
-use super::job::Job;
 use super::methods::{self, Reading};
 use super::top_view::TopView;
 use crate::chart::Sheet;
+use crate::drive::{self, Drive};
+use crate::job::Job;
 use crate::table::rounded;
 
 /// A map of the drive.

@@ -3,8 +3,8 @@
 use anyhow::Result;
 use evigrid_cost_curve::occupancy;
 
-use super::job::Job;
 use crate::chart::{Axis, BLUE, GREY, Marks, Panel, Series, Sheet};
+use crate::job::Job;
 
 /// The measurement, its variance, and the cells of the ray.
 const MEASURED: f64 = 20.0;

@@ -5,10 +5,10 @@ use anyhow::Result;
 use evigrid_eval::{Mapped, map_together};
 use evigrid_metrics::CurvePoint;
 
-use super::drive;
-use super::job::Job;
 use super::methods::{self, CHECKED, DEPTH_M, Reading};
 use crate::chart::{Axis, COLOURS, Corner, DARK, Marks, Panel, Series, Sheet};
+use crate::drive;
+use crate::job::Job;
 use crate::table::rounded;
 
 /// Peak ratios of the baseline in the paper, and those below, which reach more hits.

@@ -3,9 +3,9 @@
 use anyhow::Result;
 use evigrid_cost_curve::{CostExponent, CostUnit};
 
-use super::job::Job;
 use super::ray::Ray;
 use crate::chart::{Axis, BLUE, Corner, GREY, Marks, ORANGE, Panel, Series, Sheet};
+use crate::job::Job;
 use crate::table::rounded;
 
 /// Cells of the ray. The paper gives no numbers; minima of cost 0 at cells 20 and 40 are our choice.

@@ -4,9 +4,9 @@ use anyhow::{Context, Result};
 use evigrid_core::{CostVolume, Disparity, NO_COST, Pose};
 use evigrid_stereo::{BlockMatcher, BlockMatchingSettings};
 
-use super::job::Job;
 use super::moments::{Counts, Moments};
 use crate::chart::{Axis, Corner, DARK, GREEN, Marks, Panel, SKY, Series, Sheet, rectangle};
+use crate::job::Job;
 use crate::table::rounded;
 
 const DATASET: &str = "middlebury-cones";

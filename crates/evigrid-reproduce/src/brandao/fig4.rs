@@ -9,10 +9,10 @@ use evigrid_stereo::{BlockMatcher, BlockMatchingSettings};
 use evigrid_synth::{SyntheticSequence, World};
 use rayon::prelude::*;
 
-use super::drive;
-use super::job::Job;
 use super::ray::Ray;
 use crate::chart::{Axis, BLUE, Corner, DARK, GREEN, Marks, ORANGE, Panel, Series, Sheet};
+use crate::drive;
+use crate::job::Job;
 use crate::table::{cell, rounded};
 
 /// The two minima are at least so far apart, pixels, and differ by at most this share of the height of the ridge between them.

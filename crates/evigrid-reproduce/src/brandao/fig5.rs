@@ -4,9 +4,9 @@ use anyhow::Result;
 
 use super::bar_maps::{BarMap, BarRun, FULL, bar_maps};
 use super::bar_picture::PANEL;
-use super::job::Job;
 use super::methods::{self, Reading};
 use crate::chart::Sheet;
+use crate::job::Job;
 use crate::table::rounded;
 
 pub fn whole_curve(job: &mut Job<'_, '_>) -> Result<()> {

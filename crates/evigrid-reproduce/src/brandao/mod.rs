@@ -5,7 +5,6 @@ mod bar_maps;
 mod bar_picture;
 mod bar_score;
 mod bars;
-mod drive;
 mod drive_maps;
 mod fig1;
 mod fig10;
@@ -23,7 +22,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use crate::job::{self, Make};
+use crate::job::{Make, make_items};
 use crate::{Folders, Tools};
 
 /// All items, in the order of the paper. (Fig. 7 is a photograph and the laser's reference.)
@@ -40,7 +39,7 @@ const ITEMS: [(&str, Make); 10] = [
     ("table1", table1::make),
 ];
 
-/// Makes one item or all of them; of all, those whose data are not there are left out and named.
+/// Makes one item or all of them.
 pub fn reproduce(item: Option<&str>, folders: &Folders, tools: &mut Tools<'_>) -> Result<Vec<PathBuf>> {
-    job::make_items("brandao", &ITEMS, item, folders, tools)
+    make_items("brandao", &ITEMS, item, folders, tools)
 }

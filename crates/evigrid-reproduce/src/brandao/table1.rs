@@ -2,16 +2,17 @@
 
 use anyhow::{Context, Result};
 use evigrid_core::{Frame, GrayImage, Pose, StereoRig};
-use evigrid_eval::{Clock, Config, Method};
+use evigrid_eval::{Config, Method};
 use evigrid_grid::{GridSpec, View};
 use evigrid_replay::Sequence;
 use evigrid_stereo::BlockMatcher;
 use evigrid_synth::{SyntheticSequence, World};
 
 use super::bars::WORLD;
-use super::job::Job;
 use super::methods::{self, Reading};
 use crate::chart::{Axis, BLUE, Corner, GREY, Marks, ORANGE, Panel, Series, Sheet, rectangle};
+use crate::job::Job;
+use crate::stopwatch::Stopwatch;
 use crate::table::rounded;
 
 /// An image size of the table, with the paper's seconds: matching, and the inverse model of both methods.
@@ -77,21 +78,21 @@ fn measure(job: &mut Job<'_, '_>, sizes: &[Size], repetitions: usize) -> Result<
         for &threads in &threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
             job.say(&format!("{}x{}, {threads} threads", frame.rig().width, frame.rig().height));
-            let stopwatch = Stopwatch { clock: job.tools.clock, repetitions, threads };
-            timings.extend(pool.install(|| stopwatch.time_size(size, &frame))?);
+            let watch = Stopwatch { clock: job.tools.clock, repetitions };
+            let row = Measurer { watch, threads };
+            timings.extend(pool.install(|| row.time_size(size, &frame))?);
         }
     }
     Ok(timings)
 }
 
 /// What times one size.
-struct Stopwatch<'a> {
-    clock: &'a dyn Clock,
-    repetitions: usize,
+struct Measurer<'a> {
+    watch: Stopwatch<'a>,
     threads: usize,
 }
 
-impl Stopwatch<'_> {
+impl Measurer<'_> {
     fn time_size(&self, size: &Size, frame: &Frame) -> Result<Vec<Timing>> {
         let mut timings = Vec::new();
         let winner = methods::winner_take_all(1.5, "");
@@ -113,7 +114,7 @@ impl Stopwatch<'_> {
         let keep_volume = mapper.needs_volume();
         let mut matcher = BlockMatcher::new(config.stereo.block())?;
         let mut last = None;
-        let matching_s = self.time(|| {
+        let matching_s = self.watch.time(|| {
             last = Some(matcher.run(frame.left(), frame.right(), keep_volume, last.take())?);
             Ok(())
         })?;
@@ -126,7 +127,7 @@ impl Stopwatch<'_> {
             matches: &matching.matches,
             volume: matching.volume.as_ref(),
         };
-        let model_s = self.time(|| {
+        let model_s = self.watch.time(|| {
             mapper.integrate(&view);
             Ok(())
         })?;
@@ -146,19 +147,6 @@ impl Stopwatch<'_> {
             _ => f64::NAN,
         };
         Ok([timing("matching", matching_s, size.paper_matching_s), timing("inverse model", model_s, paper_s)])
-    }
-
-    /// Seconds of the median and of the fastest run.
-    fn time(&self, mut run: impl FnMut() -> Result<()>) -> Result<[f64; 2]> {
-        run()?;
-        let mut times = Vec::new();
-        for _ in 0..self.repetitions {
-            let start = self.clock.now_ms();
-            run()?;
-            times.push((self.clock.now_ms() - start) / 1e3);
-        }
-        times.sort_by(f64::total_cmp);
-        Ok([times.len() / 2, 0].map(|at| times.get(at).copied().unwrap_or(f64::NAN)))
     }
 }
 
@@ -261,29 +249,6 @@ fn panel(timings: &[&Timing]) -> Panel {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A clock that moves on by one, two, three ... milliseconds.
-    #[derive(Default)]
-    struct Counting(std::sync::atomic::AtomicU32);
-
-    impl Clock for Counting {
-        fn now_ms(&self) -> f64 {
-            let n = f64::from(self.0.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
-            0.5 * n * (n + 1.0)
-        }
-    }
-
-    #[test]
-    fn the_median_and_the_fastest_count_and_the_first_run_does_not() {
-        let (clock, mut runs) = (Counting::default(), 0);
-        let stopwatch = Stopwatch { clock: &clock, repetitions: 3, threads: 1 };
-        let times = stopwatch.time(|| {
-            runs += 1;
-            Ok(())
-        });
-        // Between readings 0 and 1, 2 and 3, 4 and 5: 1, 3 and 5 ms.
-        assert_eq!((times.unwrap(), runs), ([0.003, 0.001], 4));
-    }
 
     #[test]
     fn a_shrunk_frame_sees_the_same_directions() {

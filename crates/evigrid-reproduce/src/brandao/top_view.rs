@@ -2,7 +2,8 @@
 
 use evigrid_grid::GridSpec;
 
-use crate::chart::{Axis, GREEN, GREY, Marks, ORANGE, Panel, Point, Series, rectangle};
+use crate::cells::Patches;
+use crate::chart::{Axis, GREEN, GREY, Marks, ORANGE, Panel, Point, Series};
 
 /// What most occupied cells of a column are; a mistake if there are as many hits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,26 +57,10 @@ impl TopView {
 
     /// The columns of a class before the cell `end` along x, those beside one another along x as one area.
     fn areas(&self, class: Class, end: usize) -> Vec<Vec<Point>> {
-        let [nx, ny, _] = self.spec.shape();
-        let nx = nx.min(end);
-        let ([x0, y0, _], c) = (self.spec.origin_m(), self.spec.cell_size_m());
-        let mut areas = Vec::new();
-        for j in 0..ny {
-            let mut begin = None;
-            for i in 0..=nx {
-                let is_in = i < nx && self.classes[i * ny + j] == class;
-                match (begin, is_in) {
-                    (None, true) => begin = Some(i),
-                    (Some(from), false) => {
-                        let [from, to] = [from, i].map(|i| x0 + i as f64 * c);
-                        areas.push(rectangle([from, to], [y0 + j as f64 * c, y0 + (j + 1) as f64 * c]));
-                        begin = None;
-                    }
-                    _ => {}
-                }
-            }
-        }
-        areas
+        let ([nx, ny, _], [x0, y0, _]) = (self.spec.shape(), self.spec.origin_m());
+        let patches =
+            Patches { shape: [nx.min(end), ny], origin_m: [x0, y0], edge_m: self.spec.cell_size_m() };
+        patches.areas(|i, j| self.classes[i * ny + j] == class)
     }
 }
 
@@ -95,6 +80,7 @@ fn class(map: &[f32], truth: &[bool]) -> Class {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chart::rectangle;
     use evigrid_grid::GridSettings;
 
     #[test]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use evigrid_replay::{Layout, datasets};
 
-use super::job::Job;
+use crate::job::Job;
 
 /// What is wanted first; the paper's own two are 2011_09_28_drive_0038 and _0045.
 pub const WANTED: &str = "2011_09_26_drive_0013";
