@@ -7,7 +7,7 @@ use crate::fast_math::exp_negative;
 use crate::ray_sections::RaySections;
 
 /// Pixels that are computed side by side.
-const LANES: usize = 16;
+const LANES: usize = 32;
 /// Log-odds of what no rounding can tell from 0 or 1.
 const WIDE: Clamp = Clamp { min: -40.0, max: 40.0 };
 
