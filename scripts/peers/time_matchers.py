@@ -5,7 +5,7 @@
 Two pairs: the frame as it is with 128 disparities, and the frame scaled to 640 x 480 with 64. Each time is the median over the runs, with
 one and with two threads. Ours come from criterion's estimates of the benches `match/kitti_1242x375_128` and `match/vga_640x480_64`, with the
 number of threads as last part of the name (`match/vga_640x480_64/2`); without one they stand in the rows of two threads. Ratio: ours /
-StereoBM with as many threads. Run the benches and this script on an idle machine, one after the other.
+StereoBM with as many threads; our semi-global matching stands in `semi_global/kitti_1242x375_128/2`. Run the benches and this script on an idle machine, one after the other.
 """
 
 import argparse
@@ -38,6 +38,13 @@ def plain_block_matcher(disparities):
     return cv2.StereoBM_create(numDisparities=disparities, blockSize=BLOCK_MATCHER_SIZE)
 
 
+def eight_paths(disparities):
+    """StereoSGBM with all eight paths."""
+    matcher = sgbm(disparities, SGBM_SIZE)
+    matcher.setMode(cv2.STEREO_SGBM_MODE_HH)
+    return matcher
+
+
 def find_benches(criterion):
     """The folder of each bench's newest estimates, by the bench's full name."""
     files = criterion.glob("**/new/benchmark.json")
@@ -68,14 +75,15 @@ def main():
     images = Drive(args.drive, [args.frame]).images(args.frame)
     benches = find_benches(args.criterion)
     print(f"OpenCV {cv2.__version__}, median of {args.runs} runs, ms\n")
-    print("| pair | threads | StereoBM | StereoBM, filtered | StereoSGBM 3-way | ours | ours / StereoBM |")
-    print("| --- | --- | --- | --- | --- | --- | --- |")
+    print("| pair | threads | StereoBM | StereoBM, filtered | StereoSGBM 3-way | 8 paths | ours | ours / StereoBM |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for pair, size, disparities in PAIRS:
         left, right = (cv2.resize(image, size, interpolation=cv2.INTER_AREA) if size else image for image in images)
         matchers = [
             plain_block_matcher(disparities),
             block_matcher(disparities, BLOCK_MATCHER_SIZE),
             sgbm(disparities, SGBM_SIZE),
+            eight_paths(disparities),
         ]
         for threads in (1, 2):
             cv2.setNumThreads(threads)
