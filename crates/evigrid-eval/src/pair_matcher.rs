@@ -25,7 +25,8 @@ impl PairMatcher {
     /// The matches of a frame, with the cost volume if it is wanted and there is one.
     pub fn run(&mut self, frame: &Frame, keep_volume: bool) -> Result<Matching> {
         if !self.disparity_dir.is_empty() {
-            return read_matching(&self.disparity_dir, frame);
+            return read_matching(&self.disparity_dir, frame)
+                .with_context(|| format!("frame {}", frame.index()));
         }
         self.matcher
             .run(frame.left(), frame.right(), keep_volume, self.recycled.take())

@@ -33,6 +33,20 @@ pub enum StereoError {
         /// The largest number of pixels.
         most: usize,
     },
+    /// Hypotheses of an image that take too much memory.
+    #[error(
+        "semi-global matching: expected at most {most} costs, found {width}x{height} pixels with {disparities} disparities"
+    )]
+    TooManyCosts {
+        /// Width of the image, pixels.
+        width: usize,
+        /// Height of the image, pixels.
+        height: usize,
+        /// Hypotheses of each.
+        disparities: usize,
+        /// The largest product of the three.
+        most: usize,
+    },
     /// An image in which not one window fits.
     #[error("stereo.window: expected a window within the {width}x{height} image, found {window}")]
     WindowTooLarge {

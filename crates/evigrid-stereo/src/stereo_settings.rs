@@ -45,7 +45,7 @@ pub struct StereoSettings {
     pub texture_threshold: usize,
     /// Drop matches for which a hypothesis that is no neighbour of the winner costs less than 100 / (100 - this) times as much; 0: none. Matchers block and semi-global. Unit: percent. Source: OpenCV (uniquenessRatio: 5 to 15).
     pub uniqueness_percent: usize,
-    /// Drop connected regions of at most so many pixels; 0: none. Unit: pixels. Source: OpenCV (speckleWindowSize: 50 to 200).
+    /// Drop connected regions of at most so many pixels, before the methods' left-right check (OpenCV: after it); 0: none. Unit: pixels. Source: OpenCV (speckleWindowSize: 50 to 200).
     pub speckle_pixels: usize,
     /// Largest step of the disparity between neighbours of one region. Unit: px. Source: OpenCV (speckleRange: 1 or 2).
     pub speckle_step_px: f32,

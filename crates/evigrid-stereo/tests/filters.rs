@@ -150,7 +150,31 @@ fn filters_of_the_named_matcher_drop_matches() {
     assert_eq!(count(StereoSettings { speckle_pixels: 1200, ..base }), 0);
     assert!(count(StereoSettings { speckle_pixels: 3, ..base }) < all);
     assert!(count(StereoSettings { uniqueness_percent: 15, ..base }) < all);
-    assert_eq!(count(StereoSettings { pre_filter: PreFilter::SobelX, ..base }), all);
+}
+
+/// A pre-filter named in the settings is what both images go through.
+#[test]
+fn the_named_pre_filter_is_applied_to_both_images() {
+    let (left, right) = (image(60, 20, 1), image(60, 20, 2));
+    let base = StereoSettings { disparities: 20, ..Default::default() };
+    for pre_filter in [PreFilter::SobelX, PreFilter::Normalized] {
+        let settings = StereoSettings { pre_filter, ..base };
+        let [l, r] = [&left, &right]
+            .map(|image| pre_filter.apply(image, base.pre_filter_cap, base.pre_filter_window).unwrap());
+        let expected = BlockMatcher::new(base.block()).unwrap().run(&l, &r, true, None).unwrap();
+        let found = Matcher::new(settings).unwrap().run(&left, &right, true, None).unwrap();
+        assert_eq!(found.volume, expected.volume);
+        let plain = Matcher::new(base).unwrap().run(&left, &right, true, None).unwrap();
+        assert_ne!(found.volume, plain.volume);
+    }
+}
+
+#[test]
+fn more_costs_than_fit_are_refused() {
+    let side = image(1024, 1024, 1);
+    let mut matcher = SemiGlobalMatcher::new(Default::default(), 0, 4096).unwrap();
+    let error = matcher.run(&side, &side, false, None).unwrap_err().to_string();
+    assert!(error.contains("expected at most 2147483648 costs, found 1024x1024 pixels with 4096"), "{error}");
 }
 
 #[test]

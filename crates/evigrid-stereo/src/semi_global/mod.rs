@@ -73,7 +73,7 @@ impl SemiGlobalMatcher {
     /// filled again. The result does not depend on the number of threads, of which up to two are used.
     ///
     /// # Errors
-    /// If the images differ in size.
+    /// If the images differ in size, or there are more than 2^31 costs.
     pub fn run(
         &mut self,
         left: &GrayImage,
@@ -88,6 +88,10 @@ impl SemiGlobalMatcher {
             min_disparity: self.min_disparity,
             disparities: self.disparities,
         };
+        let Shape { width, height, disparities, .. } = shape;
+        if width.saturating_mul(height).saturating_mul(disparities) > MOST_COSTS {
+            return Err(StereoError::TooManyCosts { width, height, disparities, most: MOST_COSTS });
+        }
         self.planes.fill(&self.settings, shape, left, right);
         let job = Job::new(self.settings, shape, self.uniqueness_percent, left, &self.planes);
         let row_len = shape.width * job.padded;
@@ -97,6 +101,9 @@ impl SemiGlobalMatcher {
         out.into_matching(shape)
     }
 }
+
+/// Costs of one pair, 2 bytes each: 4 GiB, and as much again where the volume is kept.
+const MOST_COSTS: usize = 1 << 31;
 
 /// Two passes, one from the top and one from the bottom. Each leaves the sums of its first half of the image to the
 /// other, which adds its own and finishes the rows.

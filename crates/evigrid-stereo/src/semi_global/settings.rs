@@ -32,7 +32,7 @@ pub struct SemiGlobalSettings {
     pub p1: usize,
     /// Penalty for any larger step; at least p1. Unit: cost of a block. Source: OpenCV (32 block^2).
     pub p2: usize,
-    /// Divide p2 by the difference of the grey levels of the two neighbours, but not below p1. Unit: none. Source: Hirschmueller 2008, II-B.
+    /// Divide p2 by the difference of the two neighbours in the image that is matched (grey levels, unless it was pre-filtered), but not below p1. Unit: none. Source: Hirschmueller 2008, II-B.
     pub adapt_p2: bool,
     /// Directions from which paths arrive: 4 (along rows and columns) or 8 (and diagonals). Unit: none. Source: Hirschmueller 2008 (at least 8).
     pub paths: usize,
