@@ -188,7 +188,7 @@ impl Timing {
             self.threads.to_string(),
             rounded(self.seconds, 5),
             rounded(self.fastest_s, 5),
-            self.paper_s.to_string(),
+            rounded(self.paper_s, 2),
         ]
     }
 }
