@@ -1,13 +1,12 @@
 use std::sync::{Mutex, PoisonError};
 
 use evigrid_core::{CostVolume, Matches};
-use evigrid_grid::{FrameEvidence, GridSpec, LogOddsGrid, Mapper, View};
+use evigrid_grid::{FrameEvidence, GridSpec, LogOddsGrid, Mapper, View, ViewRays};
 use rayon::prelude::*;
 
 use crate::curve_block::{CurveBlock, CurveModel};
 use crate::free_space::draw_free_space;
 use crate::hypotheses::Hypotheses;
-use crate::rays::Rays;
 use crate::reach::ReachImage;
 use crate::{
     CostCurveSettings, CostExponent, CostScale, HypothesesToCells, SettingError, curve_cells, curve_lines,
@@ -70,7 +69,7 @@ impl Mapper for CostCurve {
         // Between the hypotheses and the cells: the depths that a disparity stands for.
         self.hypotheses.fill(view.rig, volume);
         let depth_m = self.settings.max_depth_m.min(self.hypotheses.near_m(self.hypotheses.len()));
-        let rays = Rays::new(self.map.spec(), view.rig, view.map_from_left, depth_m);
+        let rays = ViewRays::new(self.map.spec(), view.rig, view.map_from_left, depth_m);
         let (settings, hypotheses) = (&self.settings, &self.hypotheses);
         let frame = Frame { settings, hypotheses, model, rays, volume, matches: view.matches };
         // Eqs 7, 9 (or 6), 5 and 4 of every pixel, from sensor space to grid space.
@@ -102,7 +101,7 @@ pub(crate) struct Frame<'a> {
     settings: &'a CostCurveSettings,
     pub hypotheses: &'a Hypotheses,
     pub model: CurveModel,
-    pub rays: Rays<'a>,
+    pub rays: ViewRays<'a>,
     pub volume: &'a CostVolume,
     matches: &'a Matches,
 }

@@ -1,14 +1,13 @@
 use std::sync::{Mutex, PoisonError};
 
 use evigrid_core::{CostVolume, Matches};
-use evigrid_grid::{FrameEvidence, GridSpec, LogOddsGrid, Mapper, View};
+use evigrid_grid::{FrameEvidence, GridSpec, LogOddsGrid, Mapper, View, ViewRays};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::hypotheses::Hypotheses;
 use crate::look::{Look, LookModel};
 use crate::profile::PRIOR_TOLERANCE;
-use crate::rays::Rays;
 use crate::{CostCurveBayesSettings, CostScale, SettingError, mean_difference};
 
 /// Occupancy mapping from the whole cost curve by Bayes' rule: the project's own variant of Brandao et al., derived in
@@ -69,7 +68,7 @@ impl Mapper for CostCurveBayes {
             settings: &self.settings,
             hypotheses: &self.hypotheses,
             model: self.model(view, depth_m),
-            rays: Rays::new(self.map.spec(), view.rig, view.map_from_left, depth_m),
+            rays: ViewRays::new(self.map.spec(), view.rig, view.map_from_left, depth_m),
             volume,
             matches: view.matches,
         };
@@ -96,7 +95,7 @@ struct Frame<'a> {
     settings: &'a CostCurveBayesSettings,
     hypotheses: &'a Hypotheses,
     model: LookModel,
-    rays: Rays<'a>,
+    rays: ViewRays<'a>,
     volume: &'a CostVolume,
     matches: &'a Matches,
 }

@@ -1,12 +1,11 @@
 //! Drawing curves whose probabilities are first spread over the cells of each pixel's ray.
 
-use evigrid_grid::{FrameEvidence, cell_index};
+use evigrid_grid::{FrameEvidence, ViewRays, cell_index};
 use multiversion::multiversion;
 
 use crate::cost_curve::Frame;
 use crate::curve_block::{CurveBlock, LANES, see};
 use crate::depth_walk::DepthWalk;
-use crate::rays::Rays;
 
 /// Offers the profiles of the pixels of row `y` to all cells of their rays.
 #[multiversion(targets("x86_64+avx2"))]
@@ -36,7 +35,7 @@ fn spread(frame: &Frame<'_>, direction: [f64; 3], block: &mut CurveBlock, lane: 
     }
 }
 
-fn cell_at(rays: &Rays<'_>, direction: &[f64; 3], depth_m: f64) -> [i64; 3] {
+fn cell_at(rays: &ViewRays<'_>, direction: &[f64; 3], depth_m: f64) -> [i64; 3] {
     rays.at_depth(direction, depth_m).map(cell_index)
 }
 

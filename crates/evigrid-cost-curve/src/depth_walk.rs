@@ -1,6 +1,6 @@
 //! The cells of a ray by depth, inside the grid and outside.
 
-use crate::rays::Rays;
+use evigrid_grid::ViewRays;
 
 /// The cells of a ray from the camera on, without end, with the depths at which it enters them (Amanatides and Woo
 /// 1987).
@@ -13,7 +13,7 @@ pub(crate) struct DepthWalk {
 }
 
 impl DepthWalk {
-    pub fn new(rays: &Rays<'_>, direction: [f64; 3]) -> Self {
+    pub fn new(rays: &ViewRays<'_>, direction: [f64; 3]) -> Self {
         let forward = direction.map(|d| if d > 0.0 { 1 } else { -1 });
         let face = |a: usize| (rays.origin_cell[a] + i64::from(forward[a] > 0)) as f64;
         Self {

@@ -1,11 +1,10 @@
 //! The free space of one frame, cell by cell instead of ray by ray.
 
-use evigrid_grid::FrameEvidence;
+use evigrid_grid::{FrameEvidence, ViewRays};
 use multiversion::multiversion;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-use crate::rays::Rays;
 use crate::reach::ReachImage;
 use crate::silhouette::Silhouette;
 
@@ -13,9 +12,14 @@ use crate::silhouette::Silhouette;
 ///
 /// A cell of free space is crossed by hundreds of rays, and one of them decides: mostly that of the pixel in the
 /// middle of the cell, else nearly always one of eight around it. Cells that have evidence already are left out: no evidence is less than that of a free cell.
-pub(crate) fn draw_free_space(rays: &Rays<'_>, reach: &ReachImage, free_key: i32, evidence: &FrameEvidence) {
+pub(crate) fn draw_free_space(
+    rays: &ViewRays<'_>,
+    reach: &ReachImage,
+    free_key: i32,
+    evidence: &FrameEvidence,
+) {
     let projection = Projection::new(rays);
-    let [layers, ..] = rays.bounds();
+    let [layers, ..] = rays.box_in_grid();
     layers.into_par_iter().for_each(|i| draw_layer(rays, &projection, reach, i, free_key, evidence));
 }
 
@@ -23,14 +27,14 @@ pub(crate) fn draw_free_space(rays: &Rays<'_>, reach: &ReachImage, free_key: i32
 /// it.
 #[multiversion(targets("x86_64+avx2"))]
 fn draw_layer(
-    rays: &Rays<'_>,
+    rays: &ViewRays<'_>,
     projection: &Projection,
     reach: &ReachImage,
     i: usize,
     free_key: i32,
     evidence: &FrameEvidence,
 ) {
-    let [_, columns, levels] = rays.bounds();
+    let [_, columns, levels] = rays.box_in_grid();
     let [layer_stride, column_stride, _] = rays.spec.strides();
     for j in columns {
         for k in levels.clone() {
@@ -44,7 +48,7 @@ fn draw_layer(
 
 /// Whether some ray crosses the cell within the pixel's reach.
 #[inline(always)]
-fn is_free(rays: &Rays<'_>, projection: &Projection, reach: &ReachImage, cell: [usize; 3]) -> bool {
+fn is_free(rays: &ViewRays<'_>, projection: &Projection, reach: &ReachImage, cell: [usize; 3]) -> bool {
     let centre: [f64; 3] = std::array::from_fn(|a| cell[a] as f64 + 0.5 - rays.origin[a]);
     let place = projection.matrix * Vector3::from(centre);
     if place.z <= -projection.half_depth_m || place.z - projection.half_depth_m >= rays.max_depth_m {
@@ -70,7 +74,7 @@ fn is_free(rays: &Rays<'_>, projection: &Projection, reach: &ReachImage, cell: [
 /// decides nothing.
 #[inline(always)]
 fn pixel_reaches(
-    rays: &Rays<'_>,
+    rays: &ViewRays<'_>,
     reach: &ReachImage,
     centre: [f64; 3],
     place: Vector3<f64>,
@@ -83,7 +87,7 @@ fn pixel_reaches(
 /// The pixel that sees a place, if any ray gets there.
 #[inline(always)]
 pub(crate) fn pixel_at(
-    rays: &Rays<'_>,
+    rays: &ViewRays<'_>,
     (width, height): (usize, usize),
     place: Vector3<f64>,
 ) -> Option<(usize, usize)> {
@@ -98,7 +102,7 @@ pub(crate) fn pixel_at(
 
 /// Whether a pixel's ray lies within the cell around a centre (relative to the camera) in a certain depth.
 #[inline(always)]
-pub(crate) fn crosses(rays: &Rays<'_>, centre: [f64; 3], depth: f64, (x, y): (usize, usize)) -> bool {
+pub(crate) fn crosses(rays: &ViewRays<'_>, centre: [f64; 3], depth: f64, (x, y): (usize, usize)) -> bool {
     let direction = rays.direction(x as f64, y as f64);
     (0..3).all(|a| (depth * direction[a] - centre[a]).abs() < 0.5)
 }
@@ -138,7 +142,7 @@ pub(crate) struct Projection {
 }
 
 impl Projection {
-    pub fn new(rays: &Rays<'_>) -> Self {
+    pub fn new(rays: &ViewRays<'_>) -> Self {
         let matrix = rays.projection();
         let half = |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -0.5 } else { 0.5 };
         let corners = std::array::from_fn(|n| matrix * Vector3::from_fn(|a, _| half(n, a)));

@@ -24,7 +24,6 @@ mod nested_reach;
 mod peak_ratios;
 mod profile;
 mod ray_sections;
-mod rays;
 mod reach;
 mod sections;
 mod settings;

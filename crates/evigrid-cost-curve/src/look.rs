@@ -34,8 +34,9 @@ pub(crate) struct Look {
     likelihoods: Vec<[f32; LANES]>,
     /// w_i, `[cell][pixel]`.
     weights: Vec<[f32; LANES]>,
-    /// Per cell the sum over the pixels of ln odds(P_i) - ln odds(prior), first by place.
+    /// Per cell the sum over the pixels of ln odds(P_i) - ln odds(prior), in as many parts as places.
     lane_sums: Vec<[f32; LANES]>,
+    /// The same, added up.
     pub sums: Vec<f32>,
 }
 

@@ -2,39 +2,38 @@
 
 use std::cell::Cell;
 
-use evigrid_grid::NestedEvidence;
+use evigrid_grid::{NestedEvidence, ViewRays};
 use multiversion::multiversion;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::free_space::{Projection, crosses, pixel_at};
 use crate::nested_reach::NestedReach;
-use crate::rays::Rays;
 use crate::silhouette::Silhouette;
 
 /// Offers `free_key` to every cell that some ray crosses within the pixel's reach, at the highest level of such a ray.
 pub(crate) fn draw_free_space(
-    rays: &Rays<'_>,
+    rays: &ViewRays<'_>,
     reach: &NestedReach,
     free_key: i32,
     evidence: &NestedEvidence,
 ) {
     let projection = Projection::new(rays);
-    let [layers, ..] = rays.bounds();
+    let [layers, ..] = rays.box_in_grid();
     layers.into_par_iter().for_each(|i| draw_layer(rays, &projection, reach, i, free_key, evidence));
 }
 
 /// The same for the cells with one index along x.
 #[multiversion(targets("x86_64+avx2"))]
 fn draw_layer(
-    rays: &Rays<'_>,
+    rays: &ViewRays<'_>,
     projection: &Projection,
     reach: &NestedReach,
     i: usize,
     free_key: i32,
     evidence: &NestedEvidence,
 ) {
-    let [_, columns, levels] = rays.bounds();
+    let [_, columns, levels] = rays.box_in_grid();
     let [layer_stride, column_stride, _] = rays.spec.strides();
     let all = evidence.levels() as i32;
     for j in columns {
@@ -55,7 +54,7 @@ fn draw_layer(
 /// and there is no more than `all`.
 #[inline(always)]
 fn free_level(
-    rays: &Rays<'_>,
+    rays: &ViewRays<'_>,
     projection: &Projection,
     reach: &NestedReach,
     cell: [usize; 3],
@@ -93,7 +92,7 @@ fn free_level(
 /// depth, so 0 decides nothing.
 #[inline(always)]
 fn pixel_level(
-    rays: &Rays<'_>,
+    rays: &ViewRays<'_>,
     reach: &NestedReach,
     centre: [f64; 3],
     place: Vector3<f64>,

@@ -1,12 +1,11 @@
 use std::borrow::Cow;
 
 use evigrid_core::Matches;
-use evigrid_grid::{GridSpec, LogOddsGrid, MapperFamily, NestedEvidence, NestedMaps, View};
+use evigrid_grid::{GridSpec, LogOddsGrid, MapperFamily, NestedEvidence, NestedMaps, View, ViewRays};
 use multiversion::multiversion;
 
 use crate::nested_free_space::draw_free_space;
 use crate::nested_reach::{NestedReach, PixelReach};
-use crate::rays::Rays;
 use crate::sections::{InverseModel, draw_section, is_confirmed};
 use crate::{ProfileTable, SettingError, WinnerTakeAllSettings};
 
@@ -58,7 +57,7 @@ impl PeakRatios {
 
 impl MapperFamily for PeakRatios {
     fn integrate(&mut self, view: &View<'_>) {
-        let rays = Rays::new(self.maps.spec(), view.rig, view.map_from_left, self.settings.max_depth_m);
+        let rays = ViewRays::new(self.maps.spec(), view.rig, view.map_from_left, self.settings.max_depth_m);
         let filters = Filters { settings: &self.settings, ratios: &self.ratios, matches: view.matches };
         let model = InverseModel { settings: &self.settings, profiles: &self.profiles };
         let evidence = &self.evidence;
@@ -67,7 +66,7 @@ impl MapperFamily for PeakRatios {
         });
         draw_free_space(&rays, &self.reach, self.profiles.free(), evidence);
         // One layer more on either side, for what rounding may have put beyond the end of a ray.
-        let [layers, ..] = rays.bounds();
+        let [layers, ..] = rays.box_in_grid();
         let layers = layers.start.saturating_sub(1)..(layers.end + 1).min(rays.spec.shape()[0]);
         self.evidence.fuse_into(&mut self.maps, self.settings.clamp(), layers);
     }
@@ -100,7 +99,7 @@ impl Filters<'_> {
 /// Draws the sections of one row of pixels, and sets how far in front of them the rays are simply free.
 #[multiversion(targets("x86_64+avx2"))]
 fn draw_row(
-    rays: &Rays<'_>,
+    rays: &ViewRays<'_>,
     model: InverseModel<'_>,
     filters: Filters<'_>,
     y: usize,

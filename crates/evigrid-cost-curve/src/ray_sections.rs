@@ -2,7 +2,7 @@
 
 use crate::depth_walk::DepthWalk;
 use crate::hypotheses::Hypotheses;
-use crate::rays::Rays;
+use evigrid_grid::ViewRays;
 
 /// A cell that a ray passes before its greatest depth.
 #[derive(Debug, Clone, Copy)]
@@ -30,7 +30,7 @@ pub(crate) struct RaySections {
 }
 
 impl RaySections {
-    pub fn fill(&mut self, rays: &Rays<'_>, hypotheses: &Hypotheses, direction: [f64; 3]) {
+    pub fn fill(&mut self, rays: &ViewRays<'_>, hypotheses: &Hypotheses, direction: [f64; 3]) {
         self.cells.clear();
         self.parts.clear();
         let mut walk = DepthWalk::new(rays, direction);

@@ -1,10 +1,9 @@
 //! The sections of the rays around their measured cells, where Elfes' profile is more than simply free.
 
 use evigrid_core::Matches;
-use evigrid_grid::{FrameEvidence, RayWalk, cell_index};
+use evigrid_grid::{FrameEvidence, RayWalk, ViewRays, cell_index};
 use multiversion::multiversion;
 
-use crate::rays::Rays;
 use crate::reach::{NO_REACH, ReachImage};
 use crate::{Deviation, Profile, ProfileTable, WinnerTakeAllSettings};
 
@@ -18,7 +17,7 @@ pub(crate) struct InverseModel<'a> {
 /// Offers the profile of every believable match to the cells around the measured one, and sets how far in front of
 /// them the rays are simply free.
 pub(crate) fn draw_sections(
-    rays: &Rays<'_>,
+    rays: &ViewRays<'_>,
     model: InverseModel<'_>,
     matches: &Matches,
     reach: &mut ReachImage,
@@ -31,7 +30,7 @@ pub(crate) fn draw_sections(
 /// The same for one row. Rounding and comparing take far fewer instructions from AVX on; no result depends on it.
 #[multiversion(targets("x86_64+avx2"))]
 fn draw_row(
-    rays: &Rays<'_>,
+    rays: &ViewRays<'_>,
     model: InverseModel<'_>,
     matches: &Matches,
     y: usize,
@@ -66,7 +65,7 @@ pub(crate) fn is_confirmed(settings: &WinnerTakeAllSettings, matches: &Matches, 
 /// From sensor space to grid space: draws one ray's section, as keys that are offered to cells, and returns its reach.
 #[inline(always)]
 pub(crate) fn draw_section(
-    rays: &Rays<'_>,
+    rays: &ViewRays<'_>,
     model: InverseModel<'_>,
     direction: [f64; 3],
     disparity: f64,

@@ -1,8 +1,6 @@
 //! Which pixels see a cell.
 
-use evigrid_grid::cell_index;
-
-use crate::rays::Rays;
+use evigrid_grid::{ViewRays, cell_index};
 
 /// No more than three faces may hide one another: 6 edges, and 3 bounds on the depth.
 const MOST_EDGES: usize = 9;
@@ -48,7 +46,7 @@ struct Side {
 impl Silhouette {
     /// The silhouette of the cell with these indices; `rays_end` unless all of it is nearer than the rays' end.
     #[inline]
-    pub fn of_cell(rays: &Rays<'_>, cell: [usize; 3], rays_end: bool) -> Self {
+    pub fn of_cell(rays: &ViewRays<'_>, cell: [usize; 3], rays_end: bool) -> Self {
         let mut silhouette = Self { edges: [Edge::default(); MOST_EDGES], count: 0 };
         let sides: [Side; 3] = std::array::from_fn(|a| Side::new(rays, a, cell[a]));
         let depth = Line { constant: 1.0, ..Line::default() };
@@ -109,7 +107,7 @@ impl Silhouette {
 
 impl Side {
     #[inline]
-    fn new(rays: &Rays<'_>, axis: usize, index: usize) -> Self {
+    fn new(rays: &ViewRays<'_>, axis: usize, index: usize) -> Self {
         let low = index as f64 - rays.origin[axis];
         let high = low + 1.0;
         let direction =

@@ -1,7 +1,6 @@
-use evigrid_grid::{FrameEvidence, GridSpec, LogOddsGrid, Mapper, View};
+use evigrid_grid::{FrameEvidence, GridSpec, LogOddsGrid, Mapper, View, ViewRays};
 
 use crate::free_space::draw_free_space;
-use crate::rays::Rays;
 use crate::reach::ReachImage;
 use crate::sections::{InverseModel, draw_sections};
 use crate::{ProfileTable, SettingError, WinnerTakeAllSettings};
@@ -41,7 +40,7 @@ impl WinnerTakeAll {
 impl Mapper for WinnerTakeAll {
     fn integrate(&mut self, view: &View<'_>) {
         // From sensor space to grid space.
-        let rays = Rays::new(self.map.spec(), view.rig, view.map_from_left, self.settings.max_depth_m);
+        let rays = ViewRays::new(self.map.spec(), view.rig, view.map_from_left, self.settings.max_depth_m);
         // The cell that each believable winner falls into, and Elfes' occupancy profile around it (eqs 1 to 3).
         let model = InverseModel { settings: &self.settings, profiles: &self.profiles };
         draw_sections(&rays, model, view.matches, &mut self.reach, &self.evidence);

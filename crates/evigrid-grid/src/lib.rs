@@ -9,6 +9,7 @@ mod nested;
 mod ray_batch;
 mod ray_walk;
 mod spec;
+mod view_rays;
 
 pub use evidence::FrameEvidence;
 pub use fast_logit::{LOG_ODDS_ERROR, bounded_logit};
@@ -18,3 +19,4 @@ pub use nested::{NestedEvidence, NestedMaps};
 pub use ray_batch::RayBatch;
 pub use ray_walk::RayWalk;
 pub use spec::{GridError, GridSettings, GridSpec, cell_index};
+pub use view_rays::ViewRays;

@@ -5,7 +5,6 @@
 
 mod blur;
 mod bresenham;
-mod camera;
 mod counters;
 mod error;
 mod filter;

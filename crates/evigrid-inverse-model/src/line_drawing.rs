@@ -1,10 +1,9 @@
 //! Line drawing (Andert 2009, section V-A): from pixels to the cells of their lines.
 
-use evigrid_grid::{RayWalk, cell_index};
+use evigrid_grid::{RayWalk, ViewRays, cell_index};
 
 use crate::Walk;
 use crate::bresenham::{Line, Place};
-use crate::camera::Camera;
 use crate::gaussian_table::{FastModel, GaussianTable, Profile};
 use crate::image_grid::ImageGrid;
 use crate::line_ends::LineEnds;
@@ -12,7 +11,7 @@ use crate::line_ends::LineEnds;
 /// What all lines of one image share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LineContext<'a> {
-    pub camera: Camera<'a>,
+    pub camera: ViewRays<'a>,
     pub model: FastModel,
     pub table: &'a GaussianTable,
     /// P of free space, p_min.
@@ -176,7 +175,7 @@ fn draw_exact(context: &LineContext<'_>, direction: &[f64; 3], depth: f64, far: 
 
 /// l of a cell: from the camera's centre to the cell's, in cells.
 #[inline(always)]
-pub(crate) fn range_of(camera: &Camera<'_>, cell: [i64; 3]) -> f32 {
+pub(crate) fn range_of(camera: &ViewRays<'_>, cell: [i64; 3]) -> f32 {
     let off: [f32; 3] = std::array::from_fn(|a| (cell[a] as f64 + 0.5 - camera.origin[a]) as f32);
     (off[0] * off[0] + off[1] * off[1] + off[2] * off[2]).sqrt()
 }

@@ -1,7 +1,6 @@
-use evigrid_grid::{GridSpec, LogOddsGrid, Mapper, View, logit};
+use evigrid_grid::{GridSpec, LogOddsGrid, Mapper, View, ViewRays, logit};
 
 use crate::blur::Blur;
-use crate::camera::Camera;
 use crate::filter::Filter;
 use crate::gaussian_table::FastModel;
 use crate::image_grid::{Fusion, ImageGrid};
@@ -194,7 +193,7 @@ impl InverseModelMapper {
         pyramid_settings: Option<&LinePyramidSettings>,
     ) -> Counters {
         let spec = *self.image.spec();
-        let camera = Camera::new(&spec, view.rig, view.map_from_left, model.max_depth_m);
+        let camera = ViewRays::new(&spec, view.rig, view.map_from_left, model.max_depth_m);
         let filter = Filter::new(view.matches, &self.common.limits(model, view.rig));
         let Scratch { ends, sections, points, pyramid, .. } = &mut self.scratch;
         ends.reset(&camera.sensor_box());
@@ -233,7 +232,7 @@ impl InverseModelMapper {
     ) -> Counters {
         let spec = *self.image.spec();
         let cell_size_m = spec.cell_size_m();
-        let camera = Camera::new(&spec, view.rig, view.map_from_left, model.max_depth_m);
+        let camera = ViewRays::new(&spec, view.rig, view.map_from_left, model.max_depth_m);
         let filter = Filter::new(view.matches, &self.common.limits(model, view.rig));
         let edge = match window {
             WindowCube::Cell => 1.0,

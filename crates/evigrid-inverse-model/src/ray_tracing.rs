@@ -6,12 +6,12 @@ use multiversion::multiversion;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::camera::Camera;
 use crate::filter::INVALID;
 use crate::gaussian_table::{FastModel, GaussianTable};
 use crate::image_grid::ImageGrid;
 use crate::pyramid::Pyramid;
 use crate::window::{Projection, Window};
+use evigrid_grid::ViewRays;
 
 /// How the largest disparity around a cell's image is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,7 +25,7 @@ pub(crate) enum Search {
 /// What all cells of one image share.
 #[derive(Debug)]
 pub(crate) struct RayContext<'a> {
-    pub camera: Camera<'a>,
+    pub camera: ViewRays<'a>,
     pub model: FastModel,
     pub table: &'a GaussianTable,
     /// P of free space, p_min.

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::camera::Camera;
+use evigrid_grid::ViewRays;
 
 /// The cube whose image is searched for the largest disparity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -34,7 +34,7 @@ pub(crate) type Window = [[usize; 2]; 2];
 
 impl Projection {
     /// `edge`: of the cube, in cells.
-    pub fn new(camera: &Camera<'_>, edge: f64) -> Self {
+    pub fn new(camera: &ViewRays<'_>, edge: f64) -> Self {
         let matrix = camera.projection();
         let half =
             |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -0.5 * edge } else { 0.5 * edge };
