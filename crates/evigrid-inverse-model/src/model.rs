@@ -77,11 +77,6 @@ impl SensorModel {
         (depth_deviation.max(0.0) * rig.baseline_m * rig.focal_px / self.disparity_error_px).sqrt()
     }
 
-    /// The k up to which no pixel from `depth_m` on breaks P in (0, 1), metres: 0.5 sqrt(2 pi) dz.
-    pub fn largest_k(&self, rig: &StereoRig, depth_m: f64) -> f64 {
-        0.5 * TAU.sqrt() * self.depth_deviation_m(rig, depth_m)
-    }
-
     /// A = k / (dl sqrt(2 pi)) of a range deviation in metres (eq. 9), kept within the limit for near pixels.
     #[inline]
     pub fn peak(&self, deviation_m: f64) -> f64 {
@@ -206,9 +201,11 @@ mod tests {
         let nearest = FIGURE_1.nearest_depth_m(&RIG);
         assert!((nearest - 5.7889).abs() < 5e-5, "{nearest}");
         assert!((RIG.disparity_px(nearest) - 36.276).abs() < 5e-4);
-        assert!((FIGURE_1.largest_k(&RIG, nearest) - 0.1).abs() < 1e-12);
+        // There A = 1/2: k = 0.5 sqrt(2 pi) dz.
+        let k_at = |model: &SensorModel, z: f64| 0.5 * TAU.sqrt() * model.depth_deviation_m(&RIG, z);
+        assert!((k_at(&FIGURE_1, nearest) - 0.1).abs() < 1e-12);
         let with_motion = SensorModel { motion_error_m: 0.05, ..FIGURE_1 };
-        assert!((with_motion.largest_k(&RIG, with_motion.nearest_depth_m(&RIG)) - 0.1).abs() < 1e-12);
+        assert!((k_at(&with_motion, with_motion.nearest_depth_m(&RIG)) - 0.1).abs() < 1e-12);
         assert_eq!(SensorModel { motion_error_m: 0.1, ..FIGURE_1 }.nearest_depth_m(&RIG), 0.0);
         let reject = SensorModel { near: NearPixels::Reject, ..FIGURE_1 };
         let at = |z: f64| reject.measure(&RIG, (320.0, 240.0), RIG.disparity_px(z));
