@@ -1,4 +1,4 @@
-//! The directions of dependency that docs/ARCHITECTURE.md promises.
+//! The directions of dependency that docs/ARCHITECTURE.md promises, read from `cargo metadata`.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -37,21 +37,42 @@ fn reachable(graph: &Graph, from: &str) -> BTreeSet<String> {
             }
         }
     }
-    seen
+    seen.into_iter().filter(|package| graph.contains_key(package)).collect()
 }
 
-const MAPPING: [&str; 2] = ["evigrid-cost-curve", "evigrid-inverse-model"];
+/// The crates of methods: those of the workspace that the list of methods names, and that are no base of
+/// theirs.
+fn mapping_crates(graph: &Graph) -> Vec<&String> {
+    let named = &graph["evigrid-methods"];
+    let is_base = |package: &String| ["evigrid-core", "evigrid-grid"].contains(&package.as_str());
+    named.iter().filter(|package| graph.contains_key(*package) && !is_base(package)).collect()
+}
 
 #[test]
 fn no_method_can_read_the_answer() {
     let graph = dependencies();
-    for mapping in MAPPING {
-        let seen = reachable(&graph, mapping);
-        assert!(seen.contains("evigrid-grid"), "{mapping} is in the graph");
-        for answer in ["evigrid-truth", "evigrid-metrics", "evigrid-replay", "evigrid-synth", "evigrid-eval"]
-        {
-            assert!(!seen.contains(answer), "{mapping} reaches {answer}");
-        }
+    let mapping = mapping_crates(&graph);
+    assert!(mapping.len() > 1, "{mapping:?}");
+    for package in mapping {
+        let expected = BTreeSet::from(["evigrid-core", "evigrid-grid"].map(str::to_owned));
+        assert_eq!(reachable(&graph, package), expected, "{package}");
+    }
+}
+
+#[test]
+fn the_list_of_methods_needs_neither_recordings_nor_truth() {
+    let graph = dependencies();
+    let mut allowed: BTreeSet<String> = mapping_crates(&graph).into_iter().cloned().collect();
+    allowed.extend(["evigrid-core", "evigrid-grid"].map(str::to_owned));
+    assert_eq!(reachable(&graph, "evigrid-methods"), allowed);
+}
+
+#[test]
+fn only_the_list_of_methods_and_the_figures_name_single_methods() {
+    let graph = dependencies();
+    for package in mapping_crates(&graph) {
+        let naming: Vec<_> = graph.iter().filter(|(_, d)| d.contains(package)).map(|(p, _)| p).collect();
+        assert_eq!(naming, ["evigrid-methods", "evigrid-reproduce"], "{package}");
     }
 }
 
@@ -68,13 +89,19 @@ fn only_one_crate_names_rerun() {
 #[test]
 fn every_package_is_as_low_as_promised() {
     let graph = dependencies();
-    let ours = |package: &str| -> Vec<String> {
-        graph[package].iter().filter(|d| d.starts_with("evigrid")).cloned().collect()
-    };
-    assert!(ours("evigrid-core").is_empty());
+    let below = |package: &str| -> Vec<String> { reachable(&graph, package).into_iter().collect() };
+    assert!(below("evigrid-core").is_empty());
     for low in ["evigrid-stereo", "evigrid-grid", "evigrid-replay"] {
-        assert_eq!(ours(low), ["evigrid-core"], "{low}");
+        assert_eq!(below(low), ["evigrid-core"], "{low}");
     }
-    assert_eq!(ours("evigrid-metrics"), ["evigrid-core", "evigrid-grid"]);
-    assert_eq!(ours("evigrid-truth"), ["evigrid-core", "evigrid-grid"]);
+    for low in ["evigrid-metrics", "evigrid-truth"] {
+        assert_eq!(below(low), ["evigrid-core", "evigrid-grid"], "{low}");
+    }
+    assert_eq!(below("evigrid-results"), ["evigrid-core", "evigrid-grid", "evigrid-metrics"]);
+    for blind in ["evigrid-methods", "evigrid-stereo", "evigrid-truth", "evigrid-eval"] {
+        assert!(!below("evigrid-synth").contains(&blind.to_owned()), "evigrid-synth sees {blind}");
+    }
+    let (record, reproduce) = (below("evigrid-record"), below("evigrid-reproduce"));
+    assert!(!record.contains(&"evigrid-reproduce".to_owned()));
+    assert!(!reproduce.contains(&"evigrid-record".to_owned()));
 }

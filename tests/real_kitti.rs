@@ -1,5 +1,5 @@
-//! The protocol of the project on the real frames: drive 2011_09_26_drive_0013, frames 0..40. Skipped, and said so,
-//! where the data is absent.
+//! The protocol of the project on the real frames: drive 2011_09_26_drive_0013, frames 0..40. Skipped, and
+//! said so, where the data is absent.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod common;
@@ -82,15 +82,15 @@ fn stereo_and_laser_agree_on_depth() {
             assert!(differences.len() > 300, "{} points to compare", differences.len());
             differences[differences.len() / 2]
         };
-        // The chain of poses is what makes them agree. A move along the road leaves the road where it is, one upwards
-        // leaves walls where they are: each is looked for where it shows.
+        // The chain of poses is what makes them agree. A move along the road leaves the road where it is, one
+        // upwards leaves walls where they are: each is looked for where it shows.
         for (part, at_most, moves) in [
             (Part::Road, 0.02, [[0.0, 0.0, 0.4], [0.0, 0.0, -0.4]]),
             (Part::Obstacles, 0.06, [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]),
         ] {
             let calibrated = median(part, [0.0; 3]);
-            // Not 0: image and sweep of this drive are stamped 17 ms apart (0.19 m at 11 m/s), and at the 20 to 40 m
-            // of most obstacles half a pixel is 3 to 5 % of the depth.
+            // Not 0: image and sweep of this drive are stamped 17 ms apart (0.19 m at 11 m/s), and at the 20
+            // to 40 m of most obstacles half a pixel is 3 to 5 % of the depth.
             assert!(
                 calibrated < at_most,
                 "frame {index}, {part:?}: median difference {calibrated} of the depth"

@@ -42,6 +42,7 @@ fn the_built_in_world_writes_everything_and_the_counts_can_be_recomputed() {
         "run.json",
         "summary.csv",
         "summary.md",
+        "summary.plan.csv",
         "timing.csv",
         "truth.npz",
     ];
@@ -150,7 +151,7 @@ fn a_drive_without_laser_is_mapped_but_not_scored() {
     assert!(stdout(&output).contains("not scored"));
 }
 
-/// What an earlier run wrote and this one does not must not stand beside this one's tables.
+/// Files that only an earlier run wrote must not stand beside this one's tables.
 #[test]
 fn files_of_an_earlier_run_do_not_stay() {
     let drive = TinyDrive::new(2);

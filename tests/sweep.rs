@@ -6,25 +6,10 @@ mod common;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Output, Stdio};
+use std::process::Stdio;
 use std::time::Duration;
 
-use common::{TinyDrive, command, evigrid, names, path, stderr, stdout};
-
-/// A plan on the drive, small, with these keys of the sweep and more before its sections.
-fn plan(drive: &TinyDrive, head: &str, sweep: &str) -> PathBuf {
-    let text = format!(
-        "datasets = [{:?}]\n{head}\n[stereo]\ndisparities = 16\n[grid]\nx_m = [0, 20]\n[sweep]\n{sweep}\n",
-        drive.dir()
-    );
-    let file = drive.root.path().join("plan.toml");
-    fs::write(&file, text).unwrap();
-    file
-}
-
-fn sweep(plan: &Path, out: &Path) -> Output {
-    evigrid(&["sweep", path(plan), "--out", path(out)])
-}
+use common::{TinyDrive, command, evigrid, names, path, stderr, stdout, sweep, sweep_plan as plan};
 
 /// All files below a folder, by their path in it.
 fn files(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
@@ -47,7 +32,8 @@ fn rows(table: &Path) -> Vec<BTreeMap<String, String>> {
     csv::Reader::from_path(table).unwrap().deserialize().map(Result::unwrap).collect()
 }
 
-/// Both kinds of keys: those of which maps share the drawing, and those of the matcher, the map and the reference.
+/// Both kinds of keys: those of which maps share the drawing, and those of the matcher, the map and the
+/// reference.
 const MIXED: &str = "winner-take-all.peak_ratio = { from = 1.0, to = 1.2, step = 0.1 }\n\
     stereo.window = [5, 7]\n\"winner-take-all.max_depth_m\" = [7, 25.5]\n\"truth.max_range_m\" = [80, 8.05]";
 
@@ -66,7 +52,7 @@ fn points_are_single_runs_byte_for_byte() {
         let run = evigrid(&["run", "--config", path(&config), "--out", path(&single)]);
         assert!(run.status.success(), "{}", stderr(&run));
         let (found, expected) = (files(&point), files(&single));
-        assert_eq!(found.len(), 6, "{:?}", found.keys());
+        assert_eq!(found.len(), 7, "{:?}", found.keys());
         for (name, bytes) in &found {
             assert!(expected[name] == *bytes, "{} of {row:?} differs", name.display());
         }
@@ -219,88 +205,6 @@ fn damaged_points_and_points_of_another_build_are_made_again() {
         "{text}"
     );
     assert_eq!(files(&out), before);
-}
-
-/// The sweep is refused with one line that holds all the parts, and leaves nothing.
-fn check_refused(output: &Output, out: &Path, parts: &[&str]) {
-    let text = stderr(output);
-    assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(text.starts_with("error: ") && text.lines().count() == 1, "{text}");
-    assert!(parts.iter().all(|part| text.contains(part)), "expected {parts:?} in: {text}");
-    assert!(!out.exists(), "left behind: {:?}", names(out));
-}
-
-#[test]
-fn wrong_plans_are_refused_before_anything_is_written() {
-    let drive = TinyDrive::new(3);
-    let out = drive.root.path().join("out");
-    for (head, keys, parts) in [
-        ("dataset = 1", "", ["plan.toml", "unknown key `dataset` (did you mean `datasets`?)"]),
-        (
-            "",
-            "stereo.windw = [3]",
-            ["plan.toml", "unknown setting `stereo.windw` (did you mean `stereo.window`?)"],
-        ),
-        (
-            "",
-            "stereo.window = { from = 9, to = 3, step = 2 }",
-            ["plan.toml: sweep.stereo.window", "found 9..3"],
-        ),
-        (
-            "",
-            "stereo.window = { from = 3, to = 9, step = 0 }",
-            ["plan.toml: sweep.stereo.window", "a step above 0"],
-        ),
-        ("", "stereo.window = []", ["plan.toml: sweep.stereo.window", "an empty list"]),
-        ("", "stereo.window = [5, 7, 5]", ["points 1 and 3 the same", "stereo.window = 5"]),
-        ("", "truth.max_range_m = [80, 80.0]", ["points 1 and 2 the same", "truth.max_range_m = 80"]),
-        ("", "stereo.window = [5, 6]", ["plan.toml", "an odd number"]),
-        ("", "winner-take-all.peak_ratio = [0.5]", ["plan.toml", "a number from 1, found 0.5"]),
-        (
-            "",
-            "winner-take-all.peak_ratio = [true]",
-            ["plan.toml: sweep.winner-take-all.peak_ratio", "boolean"],
-        ),
-        ("", "run.dataset = [\"synth:street\"]", ["plan.toml", "lists of their own"]),
-        ("", "output.recording = [true, false]", ["plan.toml", "sweep.output.recording"]),
-        (
-            "",
-            "stereo.min_disparity = { from = 0, to = 4000, step = 1 }\nstereo.window = [3, 5, 7]",
-            ["at most 10000 points", "12003"],
-        ),
-        ("frames = \"0..9\"", "", ["plan.toml", "within 0..3"]),
-        ("methods = [\"winner\"]", "", ["plan.toml", "unknown method `winner`"]),
-        ("methods = []", "", ["plan.toml", "at least one method"]),
-        (
-            "methods = [\"winner-take-all\", \"winner-take-all\"]",
-            "",
-            ["points 1 and 2 the same", "winner-take-all on"],
-        ),
-    ] {
-        check_refused(&sweep(&plan(&drive, head, keys), &out), &out, &parts);
-    }
-    check_refused(&sweep(&out.join("none.toml"), &out), &out, &["none.toml", "cannot read"]);
-    let twice = drive.run(&out, &["--sweep", "stereo.window=3..5:2", "--sweep", "stereo.window=[7]"]);
-    check_refused(&twice, &out, &["--sweep", "`stereo.window` twice"]);
-    check_refused(
-        &drive.run(&out, &["--sweep", "stereo.window=3..5"]),
-        &out,
-        &["--sweep stereo.window=3..5", "A..B:STEP"],
-    );
-    check_refused(
-        &drive.run(&out, &["--sweep", "stereo.windw=3..5:2"]),
-        &out,
-        &["unknown setting `stereo.windw`"],
-    );
-    check_refused(&sweep_of_two_drives(&drive, &out), &out, &["datasets: ", "`2011_09_26_drive_9999` twice"]);
-}
-
-/// Two folders with the same recording: nothing would tell their points apart.
-fn sweep_of_two_drives(drive: &TinyDrive, out: &Path) -> Output {
-    let dir = drive.dir();
-    let file = drive.root.path().join("two.toml");
-    fs::write(&file, format!("datasets = [{dir:?}, {:?}]\n", dir.join("."))).unwrap();
-    sweep(&file, out)
 }
 
 #[test]

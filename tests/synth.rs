@@ -6,58 +6,7 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use common::{evigrid, names, path, stderr, stdout};
-
-/// A few frames of a ground and a box, with a planar scanner.
-const WORLD: &str = r#"
-name = "tiny"
-seed = 3
-frames = 3
-rate_hz = 10.0
-trajectory = { waypoints = [{ at_m = [0.0, 0.0], speed_mps = 5.0 }, { at_m = [3.0, 0.0] }] }
-reported_pose = { white_m = 0.01 }
-
-[stereo]
-width = 96
-height = 64
-focal_px = 80.0
-centre_px = [47.5, 31.5]
-baseline_m = 0.3
-mount_m = [0.0, 0.15, 1.25]
-
-[[laser]]
-beams = 8
-top_deg = 2.0
-bottom_deg = -20.0
-step_deg = 1.0
-range_m = 30.0
-mount_m = [0.0, 0.0, 1.4]
-
-[light]
-ambient = 0.5
-sun = 0.6
-sun_azimuth_deg = 160.0
-sun_elevation_deg = 50.0
-shadows = true
-sky_horizon_grey = 240.0
-sky_zenith_grey = 210.0
-
-[material.soil]
-grey = 120.0
-contrast = 25.0
-scale_m = 0.3
-octaves = 6
-
-[[object]]
-shape = { box = { size_m = [60.0, 60.0, 1.0] } }
-centre_m = [0.0, 0.0, -0.5]
-material = "soil"
-
-[[object]]
-shape = { box = { size_m = [1.0, 3.0, 2.0] } }
-centre_m = [7.0, 0.5, 1.0]
-material = "soil"
-"#;
+use common::{TINY_WORLD, evigrid, names, path, stderr, stdout};
 
 /// A temporary folder with the file tiny.toml.
 fn with_world(text: &str) -> tempfile::TempDir {
@@ -85,7 +34,7 @@ fn check_refused(output: &std::process::Output, root: &Path, parts: &[&str]) {
 
 #[test]
 fn a_written_world_can_be_checked_and_run() {
-    let root = with_world(WORLD);
+    let root = with_world(TINY_WORLD);
     let out = root.path().join("out");
     let output = synth(root.path(), &[]);
     assert!(output.status.success(), "{}", stderr(&output));
@@ -116,7 +65,7 @@ fn a_written_world_can_be_checked_and_run() {
 
 #[test]
 fn some_frames_of_a_world() {
-    let root = with_world(WORLD);
+    let root = with_world(TINY_WORLD);
     let output = synth(root.path(), &["--frames", "1..3"]);
     assert!(output.status.success(), "{}", stderr(&output));
     let out = root.path().join("out");
@@ -126,7 +75,7 @@ fn some_frames_of_a_world() {
 
 #[test]
 fn an_earlier_data_set_is_replaced_and_nothing_else() {
-    let root = with_world(WORLD);
+    let root = with_world(TINY_WORLD);
     let out = root.path().join("out");
     assert!(synth(root.path(), &[]).status.success());
     assert!(synth(root.path(), &["--frames", "0..1"]).status.success());
@@ -142,7 +91,7 @@ fn an_earlier_data_set_is_replaced_and_nothing_else() {
 
 #[test]
 fn bad_input_is_told_in_one_line() {
-    let root = with_world(WORLD);
+    let root = with_world(TINY_WORLD);
     let (dir, out) = (root.path(), root.path().join("out"));
     let refused = |args: &[&str], parts: &[&str]| check_refused(&evigrid(args), dir, parts);
     refused(&["synth", "stret", "--out", path(&out)], &["stret", "did you mean `street`?"]);
@@ -163,7 +112,7 @@ fn bad_input_is_told_in_one_line() {
         ),
         ("[light]", "[truth_grid]\ncell = 1\n[light]", &["line 26", "`cell`", "tiny.toml"]),
     ] {
-        fs::write(dir.join("tiny.toml"), WORLD.replacen(from, to, 1)).unwrap();
+        fs::write(dir.join("tiny.toml"), TINY_WORLD.replacen(from, to, 1)).unwrap();
         check_refused(&synth(dir, &[]), dir, parts);
     }
 }

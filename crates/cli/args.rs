@@ -2,10 +2,12 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use evigrid_eval::{Config, ToleranceRule, parse_percent};
+use evigrid_eval::Config;
+use evigrid_results::{ToleranceRule, parse_percent};
 use evigrid_synth::World;
 
-/// Replays stereo recordings, builds occupancy grids with published methods and scores them against the laser.
+/// Replays stereo recordings, builds occupancy grids with published methods and scores them against the
+/// laser.
 #[derive(Debug, Parser)]
 #[command(version, about, max_term_width = 110)]
 pub struct Args {
@@ -31,13 +33,15 @@ pub enum Command {
     Synth(SynthArgs),
     /// List the methods and every setting, with default, unit and source.
     Methods,
+    /// List the metrics, with formula, unit and the tolerance of `compare`, as Markdown.
+    Metrics,
 }
 
 /// Which frames of which recording, and all settings.
 #[derive(Debug, clap::Args)]
 pub struct InputArgs {
-    /// A folder (KITTI raw drive, KITTI odometry sequence, Middlebury pair), the name of a known data set, or
-    /// synth:street [default: synth:street].
+    /// A folder (`evigrid check DIR` tells what is in it), the name of a known data set, or synth:WORLD
+    /// [default: synth:street].
     #[arg(long, value_name = "DIR|NAME")]
     pub dataset: Option<String>,
     /// Frames A to B, B excluded; either may be left out [default: all].
@@ -76,13 +80,24 @@ pub struct RunArgs {
     /// A method (`evigrid methods` lists them); may be given many times [default: winner-take-all].
     #[arg(long = "method", value_name = "NAME")]
     pub methods: Vec<String>,
-    /// Sweep a setting over a range, SECTION.KEY=A..B:STEP or SECTION.KEY=[VALUE, ...], around this run; may be given many
-    /// times, for all combinations. No recording is written.
+    /// Sweep a setting over a range, SECTION.KEY=A..B:STEP or SECTION.KEY=[VALUE, ...], around this run; may
+    /// be given many times, for all combinations. No recording is written.
     #[arg(long = "sweep", value_name = "KEY=A..B:STEP")]
     pub sweeps: Vec<String>,
     /// Folder for the results [default: out/DATASET, of a sweep out/sweep-DATASET].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+impl RunArgs {
+    /// The settings: those of the input, with the methods.
+    pub fn config(&self) -> Result<Config> {
+        let mut config = self.input.config()?;
+        if !self.methods.is_empty() {
+            config.run.methods.clone_from(&self.methods);
+        }
+        Ok(config)
+    }
 }
 
 #[derive(Debug, clap::Args)]
@@ -112,8 +127,8 @@ pub struct CompareArgs {
     /// Results folder of the run that is judged.
     #[arg(value_name = "NEW")]
     pub new: PathBuf,
-    /// What change counts as none: 0.005 (all rates), 2% (all counts), METRIC=0.005, METRIC=2%; METRIC=off gives no
-    /// verdict; may be given many times [default: 0.002 and 1%].
+    /// Changes that count as none: 0.005 (all rates), 2% (all counts), METRIC=0.005, METRIC=2%; METRIC=off
+    /// gives no verdict; may be given many times [default: 0.002 and 1%].
     #[arg(long = "tolerance", value_name = "[METRIC=]VALUE")]
     pub tolerances: Vec<ToleranceRule>,
     /// Judge time and memory too; up to PERCENT more is tolerated.
@@ -133,10 +148,10 @@ pub struct CheckArgs {
 }
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = items())]
 pub struct ReproduceArgs {
-    /// What to make: GROUP or GROUP/ITEM; `worlds` is the table and the pictures of docs/synthetic.md, `worlds/NAME` and
-    /// `worlds/FILE.toml` are those of one world; `andert` is fig1, fig3 to fig7 and table1 of that paper, `souza` fig1, fig7, fig9,
-    /// matching and motion-error, `brandao` fig1 to fig6, fig8 to fig10 and table1 [default: all].
+    /// A group or one item of it (listed below); `worlds/FILE.toml` is the picture of a world of your own
+    /// [default: all].
     #[arg(value_name = "GROUP[/ITEM]")]
     pub names: Vec<String>,
     /// Folder below which the data sets lie [default: $EVIGRID_DATA, else data].
@@ -161,7 +176,14 @@ pub struct SynthArgs {
     pub frames: Option<String>,
 }
 
-/// What there is to choose from, for the help.
+/// The groups with their items, for the help.
+fn items() -> String {
+    let line = |group: &evigrid_reproduce::Group| format!("  {}: {}", group.name, group.items().join(", "));
+    let lines: Vec<String> = evigrid_reproduce::GROUPS.iter().map(line).collect();
+    format!("Groups and items:\n{}", lines.join("\n"))
+}
+
+/// The worlds there are, for the help.
 fn built_in_worlds() -> String {
     let names: Vec<&str> = World::builtin_names().collect();
     format!("Built-in worlds: {}", names.join(", "))

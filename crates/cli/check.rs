@@ -1,7 +1,7 @@
 use std::process::ExitCode;
 
 use anyhow::Result;
-use evigrid_eval::Method;
+use evigrid_methods::Methods;
 
 use crate::args::CheckArgs;
 use crate::output::print;
@@ -11,9 +11,14 @@ pub fn check(args: &CheckArgs) -> Result<ExitCode> {
     let report = evigrid_replay::check(&args.dir);
     print(&format!("{report}\n"))?;
     let usable = report.usable();
-    for method in Method::ALL {
-        let verdict = if usable { "can run" } else { "cannot run" };
-        print(&format!("{:<20} {verdict} (needs {})\n", method.name(), method.needs()))?;
+    for method in Methods::default().iter() {
+        let lacks_mounting = method.needs.mounting && report.mounting.is_none();
+        let verdict = match (usable, lacks_mounting) {
+            (false, _) => "cannot run",
+            (true, true) => "can run with --set input.mounting=[height_m, pitch_deg]",
+            (true, false) => "can run",
+        };
+        print(&format!("{:<20} {verdict} (needs {})\n", method.name, method.needs))?;
     }
     let scored = match report.laser_frames {
         0 => "no laser scans: maps are not scored".to_owned(),

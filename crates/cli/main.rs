@@ -1,14 +1,17 @@
 //! The command line of evigrid.
 //!
-//! Exit codes: 0 fine, 1 a check found problems or a comparison found something worse, 2 bad usage or bad input. Results go to files and standard output,
-//! everything else to standard error.
+//! Exit codes: 0 fine, 1 a check found problems or a comparison found something worse, 2 bad usage or bad
+//! input. Results go to files and standard output, everything else to standard error.
 
 mod args;
+mod build_info;
 mod check;
 mod compare;
 mod methods;
+mod metrics;
 mod output;
 mod progress;
+mod recorder;
 mod reproduce;
 mod run;
 mod score;
@@ -31,6 +34,7 @@ fn main() -> ExitCode {
         Err(error) => return output::usage_error(&error),
     };
     let result = match args.command {
+        Command::Run(args) if !args.sweeps.is_empty() => sweep::around(&args).map(|()| ExitCode::SUCCESS),
         Command::Run(args) => run::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Sweep(args) => sweep::sweep(&args).map(|()| ExitCode::SUCCESS),
         Command::Score(args) => score::score(&args).map(|()| ExitCode::SUCCESS),
@@ -39,6 +43,7 @@ fn main() -> ExitCode {
         Command::Reproduce(args) => reproduce::reproduce_all(&args).map(|()| ExitCode::SUCCESS),
         Command::Synth(args) => synth::synth(&args).map(|()| ExitCode::SUCCESS),
         Command::Methods => methods::methods().map(|()| ExitCode::SUCCESS),
+        Command::Metrics => metrics::metrics().map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {}", output::one_line(&error));

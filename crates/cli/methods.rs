@@ -1,24 +1,27 @@
 use std::fmt::Write as _;
 
 use anyhow::Result;
-use evigrid_eval::{Config, Method};
+use evigrid_eval::Config;
 use serde_json::Value;
 
 use crate::output::print;
 
-/// `evigrid methods`: what there is to set, from the doc comments of the settings themselves.
+/// `evigrid methods`: every setting, from the doc comments of the settings themselves.
 pub fn methods() -> Result<()> {
-    let schema = serde_json::to_value(schemars::schema_for!(Config))?;
-    let defaults = serde_json::to_value(Config::default())?;
+    let config = Config::default();
     let mut text = String::from("Methods (--method NAME)\n\n");
-    for method in Method::ALL {
-        let _ = writeln!(text, "{}\n  {}\n  Needs {}.", method.name(), method.summary(), method.needs());
-        let defaults = &defaults[method.name()];
-        text.push_str(&settings(&schema, section_schema(&schema, method.name()), defaults, method.name()));
+    for method in config.methods.methods().iter() {
+        let layers: Vec<_> = method.layers.iter().map(|layer| layer.name()).collect();
+        let (name, summary, needs, layers) = (method.name, method.summary, method.needs, layers.join(", "));
+        let _ = writeln!(text, "{name}\n  {summary}\n  Shows {layers}. Needs {needs}.");
+        let schema = serde_json::to_value((method.schema)())?;
+        let defaults = serde_json::to_value(config.methods.table(name))?;
+        text.push_str(&settings(&schema, &schema, &defaults, name));
     }
     text.push_str("\nSettings that all methods share (--set SECTION.KEY=VALUE, or --config FILE)\n");
-    let sections = defaults.as_object().into_iter().flatten().map(|(name, _)| name);
-    for section in sections.filter(|name| Method::from_name(name).is_none()) {
+    let schema = serde_json::to_value(schemars::schema_for!(Config))?;
+    let defaults = serde_json::to_value(&config)?;
+    for section in defaults.as_object().into_iter().flatten().map(|(name, _)| name) {
         let _ = writeln!(text, "\n{section}");
         text.push_str(&settings(&schema, section_schema(&schema, section), &defaults[section], section));
     }
@@ -53,7 +56,7 @@ fn section_schema<'a>(schema: &'a Value, section: &str) -> &'a Value {
     resolve(schema, &schema["properties"][section])
 }
 
-/// What a schema refers to, if it refers to another.
+/// The schema that a schema refers to, if it refers to another.
 fn resolve<'a>(schema: &'a Value, here: &'a Value) -> &'a Value {
     match here["$ref"].as_str() {
         Some(reference) => schema.pointer(reference.trim_start_matches('#')).unwrap_or(here),

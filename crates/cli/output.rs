@@ -16,7 +16,7 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
-/// What clap has to say: help and version as they are, an error in one line with clap's tip if it has one.
+/// Prints clap's message: help and version as they are, an error in one line with clap's tip if it has one.
 pub fn usage_error(error: &clap::Error) -> ExitCode {
     let asked_for = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
     if asked_for || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {

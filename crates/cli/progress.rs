@@ -2,13 +2,14 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Result;
-use evigrid_eval::{Observer, RunInfo, RunResult, SealedFile, Step, SweepStep};
-use evigrid_grid::LogOddsGrid;
+use evigrid_eval::{Config, Observer, Step, SweepStep, Truth};
+use evigrid_grid::Layer;
+use evigrid_results::{RunInfo, RunResult, SealedFile};
 use evigrid_synth::WriteStep;
-use evigrid_truth::LaserTruth;
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Shows how far a run is: a bar on a terminal, a line every tenth of the run otherwise. Both on standard error.
+/// Shows how far a run is: a bar on a terminal, a line every tenth of the run otherwise. Both on standard
+/// error.
 #[derive(Debug, Default)]
 pub struct Progress {
     bar: Option<ProgressBar>,
@@ -16,7 +17,7 @@ pub struct Progress {
 }
 
 impl Observer for Progress {
-    fn begin(&mut self, info: &RunInfo) -> Result<()> {
+    fn begin(&mut self, info: &RunInfo, _: &Config) -> Result<()> {
         self.total = info.frames.len();
         let bar = ProgressBar::new(self.total as u64);
         if !bar.is_hidden() {
@@ -29,9 +30,11 @@ impl Observer for Progress {
 
     fn frame(&mut self, step: &Step<'_>) -> Result<()> {
         let done = step.position + 1;
-        let scores = step.methods.iter().filter_map(|m| {
-            let counts = m.scores?.counts;
-            Some(format!("{} F1 {:.3}", m.method, counts.f1()))
+        let scores = step.methods.iter().flat_map(|m| {
+            let main = m.scores.iter().filter_map(|scores| scores.main());
+            main.map(|score| {
+                format!("{} {} {}", m.method, score.metric.heading().unwrap_or_default(), score.shown())
+            })
         });
         let scores = scores.collect::<Vec<_>>().join(", ");
         match &self.bar {
@@ -47,7 +50,7 @@ impl Observer for Progress {
         Ok(())
     }
 
-    fn end(&mut self, _: &RunResult, _: &[&LogOddsGrid], _: Option<&LaserTruth>) -> Result<Vec<SealedFile>> {
+    fn end(&mut self, _: &RunResult, _: &[Vec<Layer<'_>>], _: &Truth) -> Result<Vec<SealedFile>> {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
@@ -55,7 +58,7 @@ impl Observer for Progress {
     }
 }
 
-/// Shows how far writing a data set is, in the same way.
+/// Shows how far writing a data set is, as [`Progress`] does.
 #[derive(Debug, Default)]
 pub struct WriteProgress {
     bar: Option<ProgressBar>,
@@ -110,7 +113,7 @@ impl Drop for WriteProgress {
     }
 }
 
-/// Shows how far a sweep is, in the same way.
+/// Shows how far a sweep is, as [`Progress`] does.
 #[derive(Debug, Default)]
 pub struct SweepProgress {
     bar: Option<ProgressBar>,

@@ -1,7 +1,8 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use evigrid_eval::{Plan, RealClock, RunResult, markdown_summary, read_map, score_map_file};
+use evigrid_eval::{Plan, RealClock, score_map_file};
+use evigrid_results::{markdown_summary, read_map};
 
 use crate::args::ScoreArgs;
 use crate::output::print;
@@ -17,12 +18,9 @@ pub fn score(args: &ScoreArgs) -> Result<()> {
     let map = read_map(&args.map)?;
     let plan = Plan::new(args.input.config()?)?;
     let name = args.map.file_stem().unwrap_or(Path::new("map").as_os_str()).to_string_lossy();
-    let (scored, outside, without_laser) =
-        score_map_file(&plan, &map, &name, &RealClock::default()).map_err(|e| e.context(where_from(args)))?;
-    let frames = plan.info.frames.len();
-    let result =
-        RunResult { methods: vec![scored], frames, without_laser, wall_ms: 0.0, stage_totals: Vec::new() };
-    print(&markdown_summary(&plan.info, &result))?;
+    let scored = score_map_file(&plan, &map, &name, &RealClock::default());
+    let (result, outside) = scored.map_err(|e| e.context(where_from(args)))?;
+    print(&markdown_summary(&plan.job.info, &result))?;
     if outside > 0 {
         print(&format!("\n{outside} voxels of the map lie outside the grid and are not scored.\n"))?;
     }

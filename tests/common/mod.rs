@@ -6,11 +6,64 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+pub mod runs;
+
 pub const WIDTH: usize = 96;
 pub const HEIGHT: usize = 48;
 
-/// A drive of `frames` frames in a temporary folder, driving straight on at 1 m per frame. Every part can be spoilt
-/// by overwriting its file.
+/// A few frames of a ground and a box, with a planar scanner.
+pub const TINY_WORLD: &str = r#"
+name = "tiny"
+seed = 3
+frames = 3
+rate_hz = 10.0
+trajectory = { waypoints = [{ at_m = [0.0, 0.0], speed_mps = 5.0 }, { at_m = [3.0, 0.0] }] }
+reported_pose = { white_m = 0.01 }
+
+[stereo]
+width = 96
+height = 64
+focal_px = 80.0
+centre_px = [47.5, 31.5]
+baseline_m = 0.3
+mount_m = [0.0, 0.15, 1.25]
+
+[[laser]]
+beams = 8
+top_deg = 2.0
+bottom_deg = -20.0
+step_deg = 1.0
+range_m = 30.0
+mount_m = [0.0, 0.0, 1.4]
+
+[light]
+ambient = 0.5
+sun = 0.6
+sun_azimuth_deg = 160.0
+sun_elevation_deg = 50.0
+shadows = true
+sky_horizon_grey = 240.0
+sky_zenith_grey = 210.0
+
+[material.soil]
+grey = 120.0
+contrast = 25.0
+scale_m = 0.3
+octaves = 6
+
+[[object]]
+shape = { box = { size_m = [60.0, 60.0, 1.0] } }
+centre_m = [0.0, 0.0, -0.5]
+material = "soil"
+
+[[object]]
+shape = { box = { size_m = [1.0, 3.0, 2.0] } }
+centre_m = [7.0, 0.5, 1.0]
+material = "soil"
+"#;
+
+/// A drive of `frames` frames in a temporary folder, driving straight on at 1 m per frame. Every part can be
+/// spoilt by overwriting its file.
 pub struct TinyDrive {
     pub root: tempfile::TempDir,
 }
@@ -91,6 +144,21 @@ impl TinyDrive {
         args.extend(more);
         evigrid(&args)
     }
+}
+
+/// A plan on the drive, small, with these keys of the sweep and more before its sections.
+pub fn sweep_plan(drive: &TinyDrive, head: &str, sweep: &str) -> PathBuf {
+    let text = format!(
+        "datasets = [{:?}]\n{head}\n[stereo]\ndisparities = 16\n[grid]\nx_m = [0, 20]\n[sweep]\n{sweep}\n",
+        drive.dir()
+    );
+    let file = drive.root.path().join("plan.toml");
+    fs::write(&file, text).unwrap();
+    file
+}
+
+pub fn sweep(plan: &Path, out: &Path) -> Output {
+    evigrid(&["sweep", path(plan), "--out", path(out)])
 }
 
 pub fn path(path: &Path) -> &str {

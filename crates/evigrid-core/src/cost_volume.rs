@@ -4,22 +4,40 @@ use crate::error::require_length;
 /// The cost of a hypothesis that could not be measured: its window does not fit into both images.
 pub const NO_COST: u16 = u16::MAX;
 
+/// The unit of the numbers in a cost volume.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CostScale {
+    /// Pixels over which pixel costs are summed.
+    pub window_pixels: f64,
+    /// Units of the pixel cost (grey levels, unless images are filtered or the pixel cost is another) per
+    /// unit of the volume.
+    pub grey_levels: f64,
+}
+
+impl CostScale {
+    /// Edge of the square window, whole pixels, at least 1.
+    pub fn window_edge_px(&self) -> usize {
+        (self.window_pixels.sqrt().round() as usize).max(1)
+    }
+}
+
 /// The matching cost of every disparity hypothesis of every pixel of the left image.
 ///
-/// Laid out `[row][disparity][column]`: the costs of one hypothesis along one row are contiguous, which is the order
-/// in which they are computed and searched. [`NO_COST`] marks hypotheses without a cost.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Laid out `[row][disparity][column]`: the costs of one hypothesis along one row are contiguous, which is
+/// the order in which they are computed and searched. [`NO_COST`] marks hypotheses without a cost.
+#[derive(Debug, Clone, PartialEq)]
 pub struct CostVolume {
     width: usize,
     height: usize,
     min_disparity: usize,
     disparities: usize,
+    scale: CostScale,
     costs: Vec<u16>,
 }
 
 impl CostVolume {
     /// A volume of `height` x `disparities` x `width` costs for the hypotheses
-    /// `min_disparity .. min_disparity + disparities` (whole pixels).
+    /// `min_disparity .. min_disparity + disparities` (whole pixels), in units of `scale`.
     ///
     /// # Errors
     /// If a dimension is zero or the length does not fit.
@@ -28,10 +46,11 @@ impl CostVolume {
         height: usize,
         min_disparity: usize,
         disparities: usize,
+        scale: CostScale,
         costs: Vec<u16>,
     ) -> Result<Self, CoreError> {
         require_length("cost volume", &[height, disparities, width], costs.len())?;
-        Ok(Self { width, height, min_disparity, disparities, costs })
+        Ok(Self { width, height, min_disparity, disparities, scale, costs })
     }
 
     /// Width of the left image, pixels.
@@ -52,6 +71,11 @@ impl CostVolume {
     /// The number of hypotheses.
     pub fn disparities(&self) -> usize {
         self.disparities
+    }
+
+    /// The unit of the costs.
+    pub fn scale(&self) -> CostScale {
+        self.scale
     }
 
     /// The costs of row `y`, `[disparity][column]`.
@@ -84,9 +108,11 @@ mod tests {
     fn the_curve_of_a_pixel_runs_along_the_hypotheses() {
         // cost = 100 y + 10 d + x
         let costs = (0..2 * 3 * 4).map(|i| (100 * (i / 12) + 10 * (i / 4 % 3) + i % 4) as u16).collect();
-        let volume = CostVolume::new(4, 2, 5, 3, costs).unwrap();
+        let scale = CostScale { window_pixels: 49.0, grey_levels: 1.0 };
+        let volume = CostVolume::new(4, 2, 5, 3, scale, costs).unwrap();
         assert_eq!(volume.curve(2, 1).collect::<Vec<_>>(), [102, 112, 122]);
         assert_eq!(volume.cost(3, 0, 2), 23);
-        assert!(CostVolume::new(4, 2, 5, 3, vec![0; 23]).is_err());
+        assert!(CostVolume::new(4, 2, 5, 3, scale, vec![0; 23]).is_err());
+        assert_eq!(volume.scale().window_edge_px(), 7);
     }
 }

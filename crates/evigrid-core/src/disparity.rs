@@ -57,13 +57,15 @@ impl Disparity {
     }
 }
 
-/// What a matcher says of every pixel of the left image. No filter is applied: each method applies its own.
+/// The winner of every pixel of the left image, and how sure it is. No filter is applied: each method applies
+/// its own ([`crate::MatchFilter`]).
 #[derive(Debug, Clone)]
 pub struct Matches {
     /// Disparity of the winner (lowest cost), with sub-pixel part; NaN where no hypothesis had a cost.
     pub disparity: Disparity,
-    /// Peak ratio c_m2 / c_m1 per pixel (Brandao et al., section IV): second smallest over smallest local minimum
-    /// of the cost curve; infinite if there is only one minimum; NaN where there is no winner. At least 1.
+    /// Peak ratio c_m2 / c_m1 per pixel (Brandao et al., section IV): second smallest over smallest local
+    /// minimum of the cost curve; infinite if there is only one minimum; NaN where there is no winner. At
+    /// least 1.
     pub peak_ratio: Vec<f32>,
     /// |winner of the pixel - winner of the right-image pixel it points to|, whole pixels, row-major;
     /// `u16::MAX` where either has no winner.
@@ -71,8 +73,8 @@ pub struct Matches {
 }
 
 impl Matches {
-    /// Matches that come from elsewhere as a bare disparity image: peak ratio infinite, left-right difference 0
-    /// wherever there is a disparity.
+    /// Matches that come from elsewhere as a bare disparity image: peak ratio infinite, left-right difference
+    /// 0 wherever there is a disparity.
     pub fn from_disparity(disparity: Disparity) -> Self {
         let known = |v: &f32| !v.is_nan();
         let peak_ratio =

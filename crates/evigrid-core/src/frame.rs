@@ -12,7 +12,8 @@ pub struct LaserScan {
 }
 
 impl LaserScan {
-    /// A scan from its points in the laser's own frame (x forward, y left, z up, metres) and the laser's pose.
+    /// A scan from its points in the laser's own frame (x forward, y left, z up, metres) and the laser's
+    /// pose.
     ///
     /// # Errors
     /// If a coordinate is not finite.
@@ -21,8 +22,8 @@ impl LaserScan {
         Ok(Self { points, origins: None, map_from_laser })
     }
 
-    /// The scan of a scanner that moved, or of several: where each point's ray started, in the laser's own frame,
-    /// metres, one origin per point.
+    /// The scan of a scanner that moved, or of several: where each point's ray started, in the laser's own
+    /// frame, metres, one origin per point.
     ///
     /// # Errors
     /// If there are more or fewer origins than points, or a coordinate is not finite.
@@ -57,8 +58,8 @@ fn require_finite(what: &'static str, points: &[[f32; 3]]) -> Result<(), CoreErr
     Ok(())
 }
 
-/// One instant of a recording: a rectified stereo pair, where it was taken, and what the laser saw. Checked when
-/// built, never changed.
+/// One instant of a recording: a rectified stereo pair, where it was taken, and what the laser saw. Checked
+/// when built, never changed.
 #[derive(Debug, Clone)]
 pub struct Frame {
     index: usize,
@@ -72,8 +73,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame from its parts. `index` is the number the data set gives it, `stamp_ns` the time of the left image
-    /// in nanoseconds.
+    /// A frame from its parts. `index` is the number the data set gives it, `stamp_ns` the time of the left
+    /// image in nanoseconds.
     ///
     /// # Errors
     /// If an image has another size than the rig says, or the pose is not finite.
@@ -146,7 +147,7 @@ impl Frame {
         &self.map_from_left
     }
 
-    /// What the laser saw, if the data set has a scan for this frame.
+    /// The laser scan, if the data set has one for this frame.
     pub fn laser(&self) -> Option<&LaserScan> {
         self.laser.as_ref()
     }

@@ -1,5 +1,5 @@
-/// What to say after an unknown name: ` (did you mean ...?)` with the most similar known one, or all known names where
-/// none is similar.
+/// Hint to put after an unknown name: ` (did you mean ...?)` with the most similar known one, or all known
+/// names where none is similar.
 pub fn name_hint<S: AsRef<str>>(name: &str, known: impl IntoIterator<Item = S>) -> String {
     let known: Vec<S> = known.into_iter().collect();
     let similarity = |other: &S| strsim::normalized_damerau_levenshtein(other.as_ref(), name);

@@ -22,11 +22,11 @@ pub struct StereoRig {
 }
 
 impl StereoRig {
-    /// The same rig, once its numbers are known to be possible.
+    /// Checks the numbers and gives the rig back.
     ///
     /// # Errors
-    /// If a size is zero, or the focal length or the baseline is not a positive finite number, or the principal
-    /// point is not finite.
+    /// If a size is zero, or the focal length or the baseline is not a positive finite number, or the
+    /// principal point is not finite.
     pub fn checked(self) -> Result<Self, CoreError> {
         let positive = |v: f64| v.is_finite() && v > 0.0;
         require(self.width > 0, "image width", "at least 1 px", self.width as f64)?;
@@ -38,7 +38,8 @@ impl StereoRig {
         Ok(self)
     }
 
-    /// Depth z in metres of a disparity in pixels: z = b f / d (Andert 2009, eq. 1). Infinite for d = 0, NaN for NaN.
+    /// Depth z in metres of a disparity in pixels: z = b f / d (Andert 2009, eq. 1). Infinite for d = 0, NaN
+    /// for NaN.
     pub fn depth_m(&self, disparity_px: f64) -> f64 {
         self.baseline_m * self.focal_px / disparity_px
     }

@@ -1,17 +1,20 @@
-//! Time of one frame of winner-take-all mapping: inverse model, drawing and fusion.
+//! Time of one frame by each method: from costs or winners to evidence, drawing and fusion.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use evigrid_core::{CostVolume, Disparity, GrayImage, Matches, NO_COST, Pose, StereoRig};
+use evigrid_core::{
+    CostScale, CostVolume, Disparity, Frame, GrayImage, Matches, Matching, NO_COST, Pose, StereoRig, View,
+};
 use evigrid_cost_curve::{
-    CostCurve, CostCurveBayes, CostCurveBayesSettings, CostCurveSettings, CostScale, CostUnit, WinnerTakeAll,
+    CostCurve, CostCurveBayes, CostCurveBayesSettings, CostCurveSettings, CostUnit, WinnerTakeAll,
     WinnerTakeAllSettings,
 };
-use evigrid_grid::{GridSettings, GridSpec, Mapper, View};
+use evigrid_grid::{GridSettings, GridSpec, Mapper};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-/// Camera above the road, metres, and walls on either side.
+/// Camera above the road, metres.
 const HEIGHT_M: f64 = 1.65;
+/// Walls on either side of the camera, metres to the right.
 const WALLS_M: [f64; 2] = [-4.2, 6.5];
 
 /// A whole number below 1000 that looks random, from a pixel's index.
@@ -22,8 +25,8 @@ fn noise(pixel: usize, salt: u64) -> f64 {
     ((h >> 40) % 1000) as f64
 }
 
-/// A road between walls under the sky, a car 9 m ahead; disparities off by up to half a pixel, 3 % of them wild, and
-/// 30 % of the pixels without a clear winner.
+/// A road between walls under the sky, a car 9 m ahead; disparities off by up to half a pixel, 3 % of them
+/// wild, and 30 % of the pixels without a clear winner.
 fn road(rig: &StereoRig) -> Matches {
     let (mut disparity, mut peak_ratio) = (Vec::new(), Vec::new());
     for pixel in 0..rig.width * rig.height {
@@ -60,8 +63,8 @@ fn pose() -> Pose {
     )
 }
 
-/// Costs that rise on both sides of the disparity as SAD of 7x7 windows does, under noise; every tenth column has a
-/// second, nearly as good match. No cost where the windows do not fit into both images.
+/// Costs that rise on both sides of the disparity as SAD of 7x7 windows does, under noise; every tenth column
+/// has a second, nearly as good match. No cost where the windows do not fit into both images.
 fn costs(rig: &StereoRig, matches: &Matches, disparities: usize) -> CostVolume {
     let mut costs = Vec::with_capacity(rig.width * rig.height * disparities);
     for y in 0..rig.height {
@@ -80,7 +83,8 @@ fn costs(rig: &StereoRig, matches: &Matches, disparities: usize) -> CostVolume {
             }
         }
     }
-    CostVolume::new(rig.width, rig.height, 0, disparities, costs).unwrap()
+    let scale = CostScale { window_pixels: 49.0, grey_levels: 1.0 };
+    CostVolume::new(rig.width, rig.height, 0, disparities, scale, costs).unwrap()
 }
 
 /// Images whose differences at the winners vary by about 100 grey levels^2.
@@ -91,29 +95,36 @@ fn images(rig: &StereoRig) -> [GrayImage; 2] {
     })
 }
 
+/// A rig with its principal point near the middle of the image.
+fn rig(width: usize, height: usize, focal_px: f64, baseline_m: f64) -> StereoRig {
+    let (centre_x_px, centre_y_px) = (width as f64 * 0.49, height as f64 * 0.46);
+    StereoRig { width, height, focal_px, centre_x_px, centre_y_px, baseline_m }
+}
+
+fn frame(rig: &StereoRig) -> Frame {
+    let [left, right] = images(rig);
+    Frame::new(0, 0, *rig, left, right, pose(), None).unwrap()
+}
+
 fn bench_cost_curve(c: &mut Criterion) {
     let mut group = c.benchmark_group("cost_curve");
     group.sample_size(20);
-    let rig = |width, height, focal_px, baseline_m| {
-        let (centre_x_px, centre_y_px) = (width as f64 * 0.49, height as f64 * 0.46);
-        StereoRig { width, height, focal_px, centre_x_px, centre_y_px, baseline_m }
-    };
     let rigs = [
         ("kitti_1242x375_128", rig(1242, 375, 721.5, 0.537), 128),
         ("vga_640x480_64", rig(640, 480, 500.0, 0.3), 64),
         ("qvga_320x240_32", rig(320, 240, 250.0, 0.3), 32),
     ];
     for (name, rig, disparities) in rigs {
-        let matches = road(&rig);
+        let (frame, matches) = (frame(&rig), road(&rig));
         let volume = costs(&rig, &matches, disparities);
-        let [left, right] = images(&rig);
-        let scale = CostScale { window_pixels: 49.0, grey_levels: 1.0 };
+        let matching = Matching { volume: Some(volume), ..Matching::from(matches) };
+        let view = View::new(&frame, None, &matching);
         let spec = GridSpec::new(&GridSettings::default()).unwrap();
         let curve = |cost_unit| {
             let settings = CostCurveSettings { cost_unit, ..CostCurveSettings::default() };
-            Box::new(CostCurve::new(spec, settings, scale).unwrap()) as Box<dyn Mapper>
+            Box::new(CostCurve::new(spec, settings).unwrap()) as Box<dyn Mapper>
         };
-        let bayes = CostCurveBayes::new(spec, CostCurveBayesSettings::default(), scale).unwrap();
+        let bayes = CostCurveBayes::new(spec, CostCurveBayesSettings::default()).unwrap();
         let mappers = [
             ("", curve(CostUnit::GreyLevels)),
             ("/homogeneous", curve(CostUnit::Homogeneous)),
@@ -122,11 +133,8 @@ fn bench_cost_curve(c: &mut Criterion) {
         for (kind, mut mapper) in mappers {
             for threads in [1, 2] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                let (rig, volume, pose) = (&rig, Some(&volume), &pose());
-                let view =
-                    View { rig, map_from_left: pose, left: &left, right: &right, matches: &matches, volume };
                 group.bench_function(format!("{name}{kind}/{threads}"), |b| {
-                    b.iter(|| pool.install(|| mapper.integrate(&view)));
+                    b.iter(|| pool.install(|| mapper.integrate(&view)).unwrap());
                 });
             }
         }
@@ -135,28 +143,16 @@ fn bench_cost_curve(c: &mut Criterion) {
 
 fn bench(c: &mut Criterion) {
     let mut group = c.benchmark_group("integrate");
-    let rig = |width, height, focal_px, baseline_m| {
-        let (centre_x_px, centre_y_px) = (width as f64 * 0.49, height as f64 * 0.46);
-        StereoRig { width, height, focal_px, centre_x_px, centre_y_px, baseline_m }
-    };
     let rigs = [("kitti_1242x375", rig(1242, 375, 721.5, 0.537)), ("vga_640x480", rig(640, 480, 500.0, 0.3))];
     for (name, rig) in rigs {
-        let matches = road(&rig);
-        let left = GrayImage::new(rig.width, rig.height, vec![0; rig.width * rig.height]).unwrap();
+        let (frame, matching) = (frame(&rig), Matching::from(road(&rig)));
+        let view = View::new(&frame, None, &matching);
         for threads in [1, 2] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let spec = GridSpec::new(&GridSettings::default()).unwrap();
             let mut mapper = WinnerTakeAll::new(spec, WinnerTakeAllSettings::default()).unwrap();
-            let view = View {
-                rig: &rig,
-                map_from_left: &pose(),
-                left: &left,
-                right: &left,
-                matches: &matches,
-                volume: None,
-            };
             group.bench_function(format!("{name}/{threads}"), |b| {
-                b.iter(|| pool.install(|| mapper.integrate(&view)));
+                b.iter(|| pool.install(|| mapper.integrate(&view)).unwrap());
             });
         }
     }

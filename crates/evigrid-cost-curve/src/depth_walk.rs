@@ -2,10 +2,11 @@
 
 use evigrid_grid::ViewRays;
 
-/// The cells of a ray from the camera on, without end, with the depths at which it enters them (Amanatides and Woo
-/// 1987).
+/// A walk over the cells of a ray from the camera on, without end (Amanatides and Woo 1987).
 pub(crate) struct DepthWalk {
+    /// Indices of the cell that the walk is in.
     pub cell: [i64; 3],
+    /// Depth at which the ray enters that cell, metres.
     pub enter_m: f64,
     next_face_m: [f64; 3],
     spacing_m: [f64; 3],
@@ -13,6 +14,7 @@ pub(crate) struct DepthWalk {
 }
 
 impl DepthWalk {
+    /// The walk of a ray with a direction in cells per metre of depth; it begins in the camera's cell.
     pub fn new(rays: &ViewRays<'_>, direction: [f64; 3]) -> Self {
         let forward = direction.map(|d| if d > 0.0 { 1 } else { -1 });
         let face = |a: usize| (rays.origin_cell[a] + i64::from(forward[a] > 0)) as f64;
@@ -39,10 +41,12 @@ impl DepthWalk {
         }
     }
 
+    /// Depth at which the ray leaves the cell that the walk is in, metres.
     pub fn leave_m(&self) -> f64 {
         self.next_face_m[self.next_axis()]
     }
 
+    /// Goes on to the next cell.
     pub fn step(&mut self) {
         let a = self.next_axis();
         self.enter_m = self.next_face_m[a];

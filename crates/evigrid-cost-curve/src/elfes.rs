@@ -1,4 +1,9 @@
-//! Elfes' inverse sensor model for a ray of cells (Brandao et al., section II-A, eqs 1 and 2), in closed form.
+//! Elfes' inverse sensor model for a ray of cells (Brandao et al., section II-A, eqs 1 and 2), in closed
+//! form.
+
+/// Evidence is drawn only where it is at least this many log-odds away from the prior (P 0.5025 beside a
+/// prior of 0.5).
+pub const PRIOR_TOLERANCE: f32 = 0.01;
 
 /// Occupancy P(O_i | r) of the cells of a ray, from the sensor outwards, given `likelihood[j]` = g_j =
 /// p(r | cell j is the first obstacle), with prior 0.5 for every cell.
@@ -18,8 +23,8 @@ pub fn occupancy(likelihood: &[f64]) -> Vec<f64> {
     occupancy_from_weights(&weights)
 }
 
-/// The same from the weights w_j = 2^-j g_j, whose common scale does not matter. For long rays the weights can be
-/// formed in a scale in which they do not underflow.
+/// Occupancy of the cells of a ray as [`occupancy`] gives it, from the weights w_j = 2^-j g_j, whose common
+/// scale does not matter. For long rays the weights can be formed in a scale in which they do not underflow.
 pub fn occupancy_from_weights(weights: &[f64]) -> Vec<f64> {
     let total: f64 = weights.iter().sum();
     if total == 0.0 {

@@ -1,16 +1,16 @@
-//! exp as a short polynomial over floats that a compiler turns into vector code. It uses additions, multiplications
-//! and divisions alone, which round the same on every processor.
+//! The exponential as a short polynomial over floats that a compiler turns into vector code. It uses
+//! additions, multiplications and divisions alone, which round the same on every processor.
 
 use std::f32::consts::{LN_2, LOG2_E};
 
-/// The largest relative error of [`exp_negative`] over -87..=0, beside that of its argument's rounding (6e-8 of
-/// the argument); asserted in the tests.
+/// The largest relative error of this crate's polynomial for e^-x, x from 0 to 87, beside that of its
+/// argument's rounding (6e-8 of the argument); asserted in the tests.
 pub const EXP2_ERROR: f64 = 4e-7;
 
-/// 2^x of -126 to 0 takes the whole number nearest to x from the low bits of x + 1.5 * 2^23.
+/// The number 1.5 * 2^23. Added to one from -126 to 0, it leaves the nearest whole number in the low bits.
 const ROUND: f32 = 12_582_912.0;
 
-/// e^-x for x >= 0; 0 (below 1.2e-38) where x is above 87.
+/// Exponential e^-x for x >= 0; 0 (below 1.2e-38) where x is above 87.
 #[inline(always)]
 pub(crate) fn exp_negative(x: f32) -> f32 {
     let exponent = -x * LOG2_E;

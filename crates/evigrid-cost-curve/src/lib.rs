@@ -1,49 +1,33 @@
-//! Brandao, Ferreira, Hashimoto, Santos-Victor, Takanishi: "Integrating the whole cost-curve of stereo into occupancy
-//! grids". The method of the paper, `cost-curve`, the project's own `cost-curve-bayes`, and the winner-take-all baseline with Elfes'
-//! inverse sensor model.
+//! Brandao, Ferreira, Hashimoto, Santos-Victor, Takanishi: "Integrating the whole cost-curve of stereo into
+//! occupancy grids". Three mapping methods, each in a folder of its own:
+//!
+//! - `winner_take_all/`: the baseline of the paper, with Elfes' inverse sensor model; one map, or several
+//!   maps that differ in the peak ratio;
+//! - `cost_curve/`: the method of the paper;
+//! - `cost_curve_bayes/`: the project's own variant of it, derived in docs/cost-curve-bayes.md.
+//!
+//! The folder `free_space/` and the files beside the folders hold parts that two methods share; they know no
+//! method.
 
 mod cost_curve;
 mod cost_curve_bayes;
-mod cost_curve_bayes_settings;
-mod cost_curve_settings;
-mod cost_exponent;
 mod cost_statistics;
-mod curve_block;
-mod curve_cells;
-mod curve_lines;
 mod depth_walk;
 mod elfes;
-mod error;
 mod fast_math;
-pub mod first_obstacle;
 mod free_space;
 mod hypotheses;
-mod look;
-mod nested_free_space;
-mod nested_reach;
-mod peak_ratios;
-mod profile;
-mod ray_sections;
-mod reach;
-mod sections;
-mod settings;
-mod silhouette;
-pub mod whole_curve;
+mod pixels;
 mod winner_take_all;
 
-pub use cost_curve::CostCurve;
-pub use cost_curve_bayes::CostCurveBayes;
-pub use cost_curve_bayes_settings::CostCurveBayesSettings;
-pub use cost_curve_settings::{CostCurveSettings, HypothesesToCells};
-pub use cost_exponent::{CostExponent, CostUnit};
+pub use cost_curve::{CostCurve, CostCurveSettings, CostExponent, CostUnit, HypothesesToCells, whole_curve};
+pub use cost_curve_bayes::{CostCurveBayes, CostCurveBayesSettings, first_obstacle};
 pub use cost_statistics::{
-    CostScale, FreeSpaceCosts, MEAN_DIFFERENCE_FLOOR, PIXEL_VARIANCE_FLOOR, free_space_costs,
-    mean_difference, pixel_variance,
+    FreeSpaceCosts, MEAN_DIFFERENCE_FLOOR, PIXEL_VARIANCE_FLOOR, free_space_costs, mean_difference,
+    pixel_variance,
 };
-pub use elfes::{occupancy, occupancy_from_weights};
-pub use error::SettingError;
+pub use elfes::{PRIOR_TOLERANCE, occupancy, occupancy_from_weights};
 pub use fast_math::EXP2_ERROR;
-pub use peak_ratios::PeakRatios;
-pub use profile::{GaussianProfile, PRIOR_TOLERANCE, Profile, ProfileTable};
-pub use settings::{Deviation, WinnerTakeAllSettings};
-pub use winner_take_all::WinnerTakeAll;
+pub use winner_take_all::{
+    Deviation, GaussianProfile, PeakRatios, Profile, ProfileTable, WinnerTakeAll, WinnerTakeAllSettings,
+};

@@ -1,37 +1,37 @@
-//! The cost-curve mapper against a slow, obvious twin: every pixel by itself in double precision, the cells of its ray
-//! from sorted face crossings, a map of maxima, a sum over frames.
+//! The cost-curve mapper against a slow, obvious twin: every pixel by itself in double precision, the cells
+//! of its ray from sorted face crossings, a map of maxima, a sum over frames.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod common;
 
 use std::collections::BTreeMap;
 
-use common::volumes::{SCALE, Shot, TOUCH_M, cells_of_ray, curve, shot, uniform, view};
-use common::{RIG, spec};
+use common::volumes::{SCALE, Shot, TOUCH_M, cells_of_ray, curve, shot, uniform};
+use common::{RIG, bits, spec};
 use evigrid_core::NO_COST;
 use evigrid_cost_curve::{
     CostCurve, CostCurveSettings, CostExponent, CostUnit, HypothesesToCells, free_space_costs,
     pixel_variance, whole_curve,
 };
-use evigrid_grid::{Clamp, Mapper, View, logit};
+use evigrid_grid::{Clamp, MapError, Mapper, logit};
 use proptest::prelude::*;
 
-/// What single precision and the polynomials may do to the evidence of a cell, log-odds.
+/// Error of the evidence of a cell by single precision and the polynomials, log-odds.
 const TOLERANCE: f64 = 2e-4;
-/// The least and the most that one frame may say of a cell, log-odds; they differ where rounding decides whether a
-/// hypothesis touches the cell.
+/// The least and the most that one frame may say of a cell, log-odds; they differ where rounding decides
+/// whether a hypothesis touches the cell.
 type Evidence = BTreeMap<usize, [f64; 2]>;
 
 fn frame_by_hand(settings: &CostCurveSettings, shot: &Shot) -> Evidence {
-    let variance =
-        settings.variance_factor * pixel_variance(&shot.images[0], &shot.images[1], &shot.matches.disparity);
+    let winners = &shot.matches().disparity;
+    let variance = settings.variance_factor * pixel_variance(shot.frame.left(), shot.frame.right(), winners);
     let exponent = CostExponent::new(settings.cost_unit, variance, SCALE.window_pixels);
-    let free_costs = free_space_costs(&shot.volume, &shot.matches.disparity);
+    let free_costs = free_space_costs(shot.volume(), winners);
     let mut evidence = Evidence::new();
     for (x, y) in (0..RIG.height).flat_map(|y| (0..RIG.width).map(move |x| (x, y))) {
-        let (disparities, costs) = curve(&shot.volume, x, y);
+        let (disparities, costs) = curve(shot.volume(), x, y);
         let confirmed =
-            shot.matches.left_right_difference_px[y * RIG.width + x] <= settings.left_right_tolerance_px;
+            shot.matches().left_right_difference_px[y * RIG.width + x] <= settings.left_right_tolerance_px;
         if costs.iter().all(|c| c.is_nan()) || (settings.left_right_check && !confirmed) {
             continue;
         }
@@ -44,8 +44,8 @@ fn frame_by_hand(settings: &CostCurveSettings, shot: &Shot) -> Evidence {
         let depths: Vec<_> = disparities.iter().map(|&d| (RIG.depth_m(d as f64 + 0.5), far(d))).collect();
         let end = depths.last().unwrap().1.min(settings.max_depth_m);
         let profile = match settings.hypotheses_to_cells {
-            HypothesesToCells::PerDisparity => per_disparity(shot, [x, y], &depths, &p, end),
-            HypothesesToCells::SpreadOverCells => spread(shot, [x, y], &depths, &p, end),
+            HypothesesToCells::PerDisparity => per_disparity(shot, x, y, &depths, &p, end),
+            HypothesesToCells::SpreadOverCells => spread(shot, x, y, &depths, &p, end),
         };
         for (cell, [least, most]) in profile {
             let Some(flat) = spec().flat(cell) else { continue };
@@ -60,8 +60,9 @@ fn frame_by_hand(settings: &CostCurveSettings, shot: &Shot) -> Evidence {
 
 type Profile = Vec<([i64; 3], [f64; 2])>;
 
-/// Reading 1: the largest P of the hypotheses whose depths the cell's part of the ray overlaps; 0 in front of all.
-fn per_disparity(shot: &Shot, [x, y]: [usize; 2], depths: &[(f64, f64)], p: &[f64], end: f64) -> Profile {
+/// Reading 1: the largest P of the hypotheses whose depths the cell's part of the ray overlaps; 0 in front of
+/// all.
+fn per_disparity(shot: &Shot, x: usize, y: usize, depths: &[(f64, f64)], p: &[f64], end: f64) -> Profile {
     let occupied = whole_curve::profile(p);
     let cells = cells_of_ray(shot, x as f64, y as f64, end);
     let largest = |enter: f64, leave: f64, least_overlap: f64| {
@@ -74,9 +75,9 @@ fn per_disparity(shot: &Shot, [x, y]: [usize; 2], depths: &[(f64, f64)], p: &[f6
     cells.iter().map(|&(cell, a, b)| (cell, [TOUCH_M, -TOUCH_M].map(|o| largest(a, b, o)))).collect()
 }
 
-/// Reading 2: each p in equal shares to the cells in its depths (at most 1 in all: with eq. 6, p does not sum up to 1),
-/// then eqs 4 and 5 along the cells.
-fn spread(shot: &Shot, [x, y]: [usize; 2], depths: &[(f64, f64)], p: &[f64], end: f64) -> Profile {
+/// Reading 2: each p in equal shares to the cells in its depths (at most 1 in all: with eq. 6, p does not sum
+/// up to 1), then eqs 4 and 5 along the cells.
+fn spread(shot: &Shot, x: usize, y: usize, depths: &[(f64, f64)], p: &[f64], end: f64) -> Profile {
     let farthest = depths.iter().map(|d| d.1).filter(|d| d.is_finite()).fold(end, f64::max);
     let cells = cells_of_ray(shot, x as f64, y as f64, farthest);
     let mut shares = vec![0.0; cells.len()];
@@ -91,12 +92,12 @@ fn spread(shot: &Shot, [x, y]: [usize; 2], depths: &[(f64, f64)], p: &[f64], end
 
 fn check(settings: CostCurveSettings, shots: &[Shot]) -> Result<(), TestCaseError> {
     let bounds = settings.clamp();
-    let mut mapper = CostCurve::new(spec(), settings, SCALE).unwrap();
+    let mut mapper = CostCurve::new(spec(), settings).unwrap();
     let mut sum: BTreeMap<usize, f32> = BTreeMap::new();
     for shot in shots {
         let by_hand = frame_by_hand(&settings, shot);
-        let mut single = CostCurve::new(spec(), settings, SCALE).unwrap();
-        single.integrate(&view(shot));
+        let mut single = CostCurve::new(spec(), settings).unwrap();
+        single.integrate(&shot.view()).unwrap();
         for cell in 0..spec().cell_count() {
             match (single.map().log_odds(cell), by_hand.get(&cell)) {
                 (None, None) => {}
@@ -113,7 +114,7 @@ fn check(settings: CostCurveSettings, shots: &[Shot]) -> Result<(), TestCaseErro
                 (found, expected) => prop_assert!(false, "cell {cell}: {found:?}, expected {expected:?}"),
             }
         }
-        mapper.integrate(&view(shot));
+        mapper.integrate(&shot.view()).unwrap();
     }
     for (cell, l) in mapper.map().touched() {
         prop_assert_eq!(l.to_bits(), sum[&cell].to_bits());
@@ -125,7 +126,10 @@ fn check(settings: CostCurveSettings, shots: &[Shot]) -> Result<(), TestCaseErro
 fn settings() -> impl Strategy<Value = CostCurveSettings> {
     let units =
         prop_oneof![Just(CostUnit::GreyLevels), Just(CostUnit::UnitIntensities), Just(CostUnit::Homogeneous)];
-    let readings = prop_oneof![3 => Just(HypothesesToCells::PerDisparity), 1 => Just(HypothesesToCells::SpreadOverCells)];
+    let readings = prop_oneof![
+        3 => Just(HypothesesToCells::PerDisparity),
+        1 => Just(HypothesesToCells::SpreadOverCells),
+    ];
     let bounds = prop_oneof![Just(0.0067), 0.01..0.45_f64];
     let rest = (0.02..2.0_f64, any::<[bool; 2]>(), 1.0..16.0_f64);
     (units, readings, bounds, rest).prop_map(
@@ -152,12 +156,15 @@ proptest! {
     }
 
     #[test]
-    fn any_number_of_threads_makes_the_same_map(settings in settings(), shots in prop::collection::vec(shot(), 1..3)) {
+    fn any_number_of_threads_makes_the_same_map(
+        settings in settings(),
+        shots in prop::collection::vec(shot(), 1..3),
+    ) {
         let maps = [1, 2, 5].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let mut mapper = CostCurve::new(spec(), settings, SCALE).unwrap();
-            pool.install(|| shots.iter().for_each(|shot| mapper.integrate(&view(shot))));
-            mapper.map().values().iter().map(|l| l.to_bits()).collect::<Vec<_>>()
+            let mut mapper = CostCurve::new(spec(), settings).unwrap();
+            pool.install(|| shots.iter().for_each(|shot| mapper.integrate(&shot.view()).unwrap()));
+            bits(mapper.map())
         });
         prop_assert_eq!(&maps[0], &maps[1]);
         prop_assert_eq!(&maps[0], &maps[2]);
@@ -190,20 +197,32 @@ fn bad_input_gives_a_map_all_the_same() {
             }
         }
     }
-    let mut mapper = CostCurve::new(spec(), CostCurveSettings::default(), SCALE).unwrap();
-    mapper.integrate(&view(&uniform(&[NO_COST; 4], 0, [9, 9])));
-    mapper.integrate(&View { volume: None, ..view(&uniform(&[7; 4], 0, [9, 9])) });
+    let mut mapper = CostCurve::new(spec(), CostCurveSettings::default()).unwrap();
+    mapper.integrate(&uniform(&[NO_COST; 4], 0, [9, 9]).view()).unwrap();
     assert_eq!(mapper.map().touched().count(), 0, "nothing measured, nothing said");
 }
 
-/// A wall whose disparity all pixels agree on: its depths are occupied, what is in front is free, what is behind is
-/// touched and undecided.
+/// The error names the costs, and the map stays as it was.
+#[test]
+fn a_view_without_costs_is_refused() {
+    let shot = uniform(&[9000, 9000, 0, 9000], 0, [80, 80]);
+    let mut mapper = CostCurve::new(spec(), CostCurveSettings::default()).unwrap();
+    mapper.integrate(&shot.view()).unwrap();
+    let before = bits(mapper.map());
+    let error = mapper.integrate(&shot.without_costs().view()).unwrap_err();
+    assert_eq!(error, MapError::Lacks("matching costs"));
+    assert_eq!(error.to_string(), "expected matching costs, found none");
+    assert_eq!(bits(mapper.map()), before);
+}
+
+/// A wall whose disparity all pixels agree on: its depths are occupied, what is in front is free, what is
+/// behind is touched and undecided.
 #[test]
 fn a_wall_by_geometry() {
     // b f = 7: disparity 1 stands for 4.67 m to 14 m, 2 for 2.8 m to 4.67 m, 3 for 2 m to 2.8 m.
     let shot = uniform(&[9000, 9000, 0, 9000], 0, [80, 80]);
-    let mut mapper = CostCurve::new(spec(), CostCurveSettings::default(), SCALE).unwrap();
-    mapper.integrate(&view(&shot));
+    let mut mapper = CostCurve::new(spec(), CostCurveSettings::default()).unwrap();
+    mapper.integrate(&shot.view()).unwrap();
     let mut counts = [0; 3];
     for (cell, l) in mapper.map().touched() {
         let [low, high] = [0.0, 1.0].map(|f| (mapper.map().spec().voxel(cell)[0] as f64 + f) * 0.4 - 0.1);
@@ -234,7 +253,7 @@ fn impossible_settings_are_refused() {
         CostCurveSettings { log_odds_bounds: [0.0, 5.0], ..base },
         CostCurveSettings { log_odds_bounds: [-5.0, f32::INFINITY], ..base },
     ] {
-        let error = CostCurve::new(spec(), bad, SCALE).unwrap_err().to_string();
+        let error = CostCurve::new(spec(), bad).unwrap_err().to_string();
         assert!(error.starts_with("cost-curve."), "{error}");
     }
 }

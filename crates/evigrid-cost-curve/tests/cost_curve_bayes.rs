@@ -1,32 +1,32 @@
-//! The mapper `cost-curve-bayes` against a slow, obvious twin: every pixel by itself in double precision, the cells of each
-//! look's ray from sorted face crossings, a map of maxima, a sum over frames.
+//! The mapper `cost-curve-bayes` against a slow, obvious twin: every pixel by itself in double precision, the
+//! cells of each look's ray from sorted face crossings, a map of maxima, a sum over frames.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod common;
 
 use std::collections::BTreeMap;
 
-use common::volumes::{SCALE, Shot, cells_of_ray, curve, shot, uniform, view};
-use common::{RIG, spec};
+use common::volumes::{Shot, cells_of_ray, curve, shot, uniform};
+use common::{RIG, bits, spec};
 use evigrid_core::NO_COST;
 use evigrid_cost_curve::{
-    CostCurveBayes, CostCurveBayesSettings, CostScale, MEAN_DIFFERENCE_FLOOR, first_obstacle, mean_difference,
+    CostCurveBayes, CostCurveBayesSettings, MEAN_DIFFERENCE_FLOOR, first_obstacle, mean_difference,
 };
-use evigrid_grid::{GridSettings, GridSpec, Mapper, View, logit};
+use evigrid_grid::{Mapper, logit};
 use proptest::prelude::*;
 
-/// What single precision and the polynomials may do to the evidence of a cell, log-odds.
+/// Error of the evidence of a cell by single precision and the polynomials, log-odds.
 const TOLERANCE: f64 = 5e-4;
 /// Evidence that is as good as none is not drawn.
 const LEAST: f64 = 0.01;
 
-/// b, from its definition.
+/// The scale b of the noise, from its definition.
 fn scale_by_hand(settings: &CostCurveBayesSettings, shot: &Shot) -> f64 {
-    let [left, right] = &shot.images;
+    let (left, right) = (shot.frame.left(), shot.frame.right());
     let mut differences = Vec::new();
     for pixel in 0..RIG.width * RIG.height {
         let (x, y) = (pixel % RIG.width, pixel / RIG.width);
-        let winner = shot.matches.disparity.values()[pixel];
+        let winner = shot.matches().disparity.values()[pixel];
         if confirmed(settings, shot, pixel) && winner <= x as f32 {
             let facing = right.row(y)[x - winner as usize];
             differences.push((f64::from(left.row(y)[x]) - f64::from(facing)).abs());
@@ -37,24 +37,24 @@ fn scale_by_hand(settings: &CostCurveBayesSettings, shot: &Shot) -> f64 {
 }
 
 fn confirmed(settings: &CostCurveBayesSettings, shot: &Shot, pixel: usize) -> bool {
-    let matches = &shot.matches;
+    let matches = shot.matches();
     let checked = !settings.left_right_check
         || matches.left_right_difference_px[pixel] <= settings.left_right_tolerance_px;
     checked && !matches.disparity.values()[pixel].is_nan()
 }
 
-/// p(E | d) of every hypothesis of a pixel, nearest first; 1/n of those without a cost.
+/// Likelihoods p(E | d) of every hypothesis of a pixel, nearest first; 1/n of those without a cost.
 fn likelihoods(settings: &CostCurveBayesSettings, costs: &[f64], scale: f64) -> Vec<f64> {
     let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
     let p: Vec<f64> =
         costs.iter().map(|c| if c.is_nan() { 0.0 } else { (-(c - least) / scale).exp() }).collect();
     let (sum, o, n) = (p.iter().sum::<f64>(), settings.outlier_share, costs.len() as f64);
     let measured = costs.iter().filter(|c| !c.is_nan()).count() as f64;
-    let told = |p: f64| (1.0 - o) * measured / n * p / sum + o / n;
-    p.iter().zip(costs).map(|(p, c)| if c.is_nan() { 1.0 / n } else { told(*p) }).collect()
+    let of_measured = |p: f64| (1.0 - o) * measured / n * p / sum + o / n;
+    p.iter().zip(costs).map(|(p, c)| if c.is_nan() { 1.0 / n } else { of_measured(*p) }).collect()
 }
 
-/// ln odds of P over those of the prior, for all cells of a ray.
+/// Evidence of one pixel for all cells of a ray: ln odds of P over those of the prior.
 fn pixel_by_hand(
     settings: &CostCurveBayesSettings,
     g: &[f64],
@@ -77,8 +77,8 @@ fn pixel_by_hand(
     p.iter().map(|p| logit(*p).clamp(-40.0, 40.0) - logit(stops)).collect()
 }
 
-/// The least and the most that a frame may say of a cell: looks that say next to nothing of it do not count, and rounding
-/// decides which those are.
+/// The least and the most that a frame may say of a cell: looks that say next to nothing of it do not count,
+/// and rounding decides which those are.
 fn frame_by_hand(settings: &CostCurveBayesSettings, shot: &Shot) -> BTreeMap<usize, [f64; 2]> {
     let scale = scale_by_hand(settings, shot);
     let mut evidence = BTreeMap::new();
@@ -89,14 +89,14 @@ fn frame_by_hand(settings: &CostCurveBayesSettings, shot: &Shot) -> BTreeMap<usi
         let (x1, y1) = ((x0 + edge).min(RIG.width), (y0 + edge).min(RIG.height));
         let middle = |a: usize, b: usize| 0.5 * (a + b - 1) as f64;
         let far = |d: usize| if d == 0 { f64::INFINITY } else { RIG.depth_m(d as f64 - 0.5) };
-        let disparities = curve(&shot.volume, 0, 0).0;
+        let disparities = curve(shot.volume(), 0, 0).0;
         let depths: Vec<_> = disparities.iter().map(|&d| (RIG.depth_m(d as f64 + 0.5), far(d))).collect();
         let end = settings.max_depth_m;
         let cells = cells_of_ray(shot, middle(x0, x1), middle(y0, y1), end);
         let mut all = Vec::new();
         for (x, y) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y))) {
             if confirmed(settings, shot, y * RIG.width + x) {
-                let g = likelihoods(settings, &curve(&shot.volume, x, y).1, scale);
+                let g = likelihoods(settings, &curve(shot.volume(), x, y).1, scale);
                 all.push(pixel_by_hand(settings, &g, &depths, &cells, end));
             }
         }
@@ -121,14 +121,14 @@ fn frame_by_hand(settings: &CostCurveBayesSettings, shot: &Shot) -> BTreeMap<usi
 
 fn check(settings: CostCurveBayesSettings, shots: &[Shot]) -> Result<(), TestCaseError> {
     let (prior, bounds) = (logit(settings.cell_prior) as f32, settings.clamp());
-    let mut mapper = CostCurveBayes::new(spec(), settings, SCALE).unwrap();
+    let mut mapper = CostCurveBayes::new(spec(), settings).unwrap();
     let mut sum: BTreeMap<usize, f32> = BTreeMap::new();
     for shot in shots {
         let by_hand = frame_by_hand(&settings, shot);
         // Wide bounds, to see the evidence itself.
         let wide = CostCurveBayesSettings { log_odds_bounds: [-40.0, 40.0], ..settings };
-        let mut single = CostCurveBayes::new(spec(), wide, SCALE).unwrap();
-        single.integrate(&view(shot));
+        let mut single = CostCurveBayes::new(spec(), wide).unwrap();
+        single.integrate(&shot.view()).unwrap();
         for cell in 0..spec().cell_count() {
             let [least, most] = by_hand.get(&cell).copied().unwrap_or([f64::NEG_INFINITY; 2]);
             match single.map().log_odds(cell) {
@@ -147,7 +147,7 @@ fn check(settings: CostCurveBayesSettings, shots: &[Shot]) -> Result<(), TestCas
                 }
             }
         }
-        mapper.integrate(&view(shot));
+        mapper.integrate(&shot.view()).unwrap();
         for (cell, l) in single.map().touched() {
             let entry = sum.entry(cell).or_insert(prior);
             *entry = (*entry + (l - prior)).clamp(bounds.min, bounds.max);
@@ -185,18 +185,22 @@ proptest! {
 
     #[test]
     fn the_scale_is_the_mean_difference(settings in settings(), shot in shot()) {
-        let tolerance = if settings.left_right_check { settings.left_right_tolerance_px } else { u16::MAX };
-        let found = mean_difference(&shot.images[0], &shot.images[1], &shot.matches, tolerance);
+        let left_right_px = settings.left_right_check.then_some(settings.left_right_tolerance_px);
+        let (left, right) = (shot.frame.left(), shot.frame.right());
+        let found = mean_difference(left, right, shot.matches(), left_right_px);
         prop_assert!((found - scale_by_hand(&settings, &shot)).abs() < 1e-9);
     }
 
     #[test]
-    fn any_number_of_threads_makes_the_same_map(settings in settings(), shots in prop::collection::vec(shot(), 1..3)) {
+    fn any_number_of_threads_makes_the_same_map(
+        settings in settings(),
+        shots in prop::collection::vec(shot(), 1..3),
+    ) {
         let maps = [1, 2, 5].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let mut mapper = CostCurveBayes::new(spec(), settings, SCALE).unwrap();
-            pool.install(|| shots.iter().for_each(|shot| mapper.integrate(&view(shot))));
-            mapper.map().values().iter().map(|l| l.to_bits()).collect::<Vec<_>>()
+            let mut mapper = CostCurveBayes::new(spec(), settings).unwrap();
+            pool.install(|| shots.iter().for_each(|shot| mapper.integrate(&shot.view()).unwrap()));
+            bits(mapper.map())
         });
         prop_assert_eq!(&maps[0], &maps[1]);
         prop_assert_eq!(&maps[0], &maps[2]);
@@ -218,102 +222,7 @@ fn bad_input_gives_a_map_all_the_same() {
             check(CostCurveBayesSettings::default(), &[uniform(curve, smallest, images)]).unwrap();
         }
     }
-    let mut mapper = CostCurveBayes::new(spec(), CostCurveBayesSettings::default(), SCALE).unwrap();
-    mapper.integrate(&view(&uniform(&[NO_COST; 4], 0, [9, 9])));
-    mapper.integrate(&View { volume: None, ..view(&uniform(&[7; 4], 0, [9, 9])) });
+    let mut mapper = CostCurveBayes::new(spec(), CostCurveBayesSettings::default()).unwrap();
+    mapper.integrate(&uniform(&[NO_COST; 4], 0, [9, 9]).view()).unwrap();
     assert_eq!(mapper.map().touched().count(), 0, "nothing measured, nothing said");
-    // Windows of a single pixel, and costs that are stored divided.
-    for scale in [
-        CostScale { window_pixels: 1.0, grey_levels: 1.0 },
-        CostScale { window_pixels: 441.0, grey_levels: 2.0 },
-    ] {
-        let mut mapper = CostCurveBayes::new(spec(), CostCurveBayesSettings::default(), scale).unwrap();
-        mapper.integrate(&view(&uniform(&[300, 0, 300], 0, [9, 9])));
-        assert!(mapper.map().touched().count() > 0);
-    }
-}
-
-/// Where nothing is measured, nothing is said: along a constant curve, and nearer than the nearest hypothesis.
-#[test]
-fn curves_that_say_nothing_change_nothing() {
-    let mut mapper = CostCurveBayes::new(spec(), CostCurveBayesSettings::default(), SCALE).unwrap();
-    for (curve, smallest) in [(&[500, 500, 500, 500][..], 0), (&[40][..], 1), (&[90, NO_COST, 90, 90][..], 1)]
-    {
-        mapper.integrate(&view(&uniform(curve, smallest, [80, 80])));
-        assert_eq!(mapper.map().touched().count(), 0, "{curve:?}");
-    }
-}
-
-/// Cells far smaller than the steps of the disparity, up to a prior under which hardly a ray gets anywhere: no number
-/// runs out.
-#[test]
-fn fine_cells_give_finite_evidence() {
-    let fine = GridSettings { x_m: [0.0, 12.0], y_m: [-1.5, 1.5], z_m: [-1.5, 1.5], cell_size_m: 0.02 };
-    let mut curve = [9000; 30];
-    // b f = 7: disparity 3 stands for 2 m to 2.8 m, the nearest of 30 begins at 0.24 m.
-    curve[3] = 0;
-    for cell_prior in [0.05, 0.5] {
-        let settings = CostCurveBayesSettings { cell_prior, ..CostCurveBayesSettings::default() };
-        let mut mapper = CostCurveBayes::new(GridSpec::new(&fine).unwrap(), settings, SCALE).unwrap();
-        mapper.integrate(&view(&uniform(&curve, 0, [80, 80])));
-        let prior = logit(cell_prior) as f32;
-        let (mut free, mut occupied) = (0, 0);
-        for (cell, l) in mapper.map().touched() {
-            assert!(l.is_finite());
-            match mapper.map().spec().centre_m(cell)[0] {
-                0.5..1.9 => free += usize::from(l < prior),
-                2.2..2.7 => occupied += usize::from(l > prior),
-                _ => {}
-            }
-        }
-        assert!(cell_prior > 0.4 || (free > 100 && occupied > 50), "{free} {occupied}");
-    }
-}
-
-/// A wall whose disparity all pixels agree on: its depths are more likely occupied than before, what is in front less
-/// likely by the factor that an empty half of a cell leaves, and nothing is said of what is behind.
-#[test]
-fn a_wall_by_geometry() {
-    // b f = 7: disparity 1 stands for 4.67 m to 14 m, 2 for 2.8 m to 4.67 m, 3 for 2 m to 2.8 m.
-    let shot = uniform(&[9000, 9000, 0, 9000], 0, [80, 80]);
-    let settings = CostCurveBayesSettings { outlier_share: 1e-6, ..CostCurveBayesSettings::default() };
-    let mut mapper = CostCurveBayes::new(spec(), settings, SCALE).unwrap();
-    mapper.integrate(&view(&shot));
-    let (prior, mut counts) = (logit(0.05) as f32, [0; 2]);
-    for (cell, l) in mapper.map().touched() {
-        let [low, high] = [0.0, 1.0].map(|f| (mapper.map().spec().voxel(cell)[0] as f64 + f) * 0.4 - 0.1);
-        if high < 2.4 {
-            // Nearer than the nearest hypothesis, some of it: little is known of these.
-            assert!((l - prior).abs() < 0.6, "hardly measured to {high} m: {l}");
-        } else if high < 2.8 {
-            counts[0] += 1;
-            // No less than what an empty half of a cell leaves; a little more, since an obstacle in the unmeasured cells in
-            // front would hide this one.
-            let evidence = l - prior;
-            assert!((0.5_f32.ln()..-0.4).contains(&evidence), "free from {low} m: {evidence}");
-        } else {
-            assert!(low < 4.67, "hidden from {low} m: {l}");
-            counts[1] += 1;
-            assert!(l > prior, "occupied from {low} m: {l}");
-        }
-    }
-    assert!(counts.iter().all(|n| *n > 5), "{counts:?}");
-}
-
-#[test]
-fn impossible_settings_are_refused() {
-    let base = CostCurveBayesSettings::default();
-    for bad in [
-        CostCurveBayesSettings { cell_prior: 0.0, ..base },
-        CostCurveBayesSettings { cell_prior: f64::NAN, ..base },
-        CostCurveBayesSettings { outlier_share: 0.7, ..base },
-        CostCurveBayesSettings { look_px: 256, ..base },
-        CostCurveBayesSettings { max_depth_m: f64::INFINITY, ..base },
-        CostCurveBayesSettings { log_odds_bounds: [0.0, 5.0], ..base },
-        CostCurveBayesSettings { log_odds_bounds: [-5.0, f32::NAN], ..base },
-        CostCurveBayesSettings { log_odds_bounds: [-1.0, 5.0], ..base },
-    ] {
-        let error = CostCurveBayes::new(spec(), bad, SCALE).unwrap_err().to_string();
-        assert!(error.starts_with("cost-curve-bayes."), "{error}");
-    }
 }

@@ -3,29 +3,10 @@
 
 mod common;
 
-use common::{RIG, Shot, integrate, shot, spec};
-use evigrid_core::GrayImage;
+use common::{bits, integrate, shot, spec};
 use evigrid_cost_curve::{Deviation, PeakRatios, WinnerTakeAll, WinnerTakeAllSettings};
-use evigrid_grid::{LogOddsGrid, Mapper, MapperFamily, View};
+use evigrid_grid::{LayerKind, MapperFamily, Method};
 use proptest::prelude::*;
-
-fn integrate_all(family: &mut PeakRatios, shot: &Shot) {
-    let left = GrayImage::new(RIG.width, RIG.height, vec![0; RIG.width * RIG.height]).unwrap();
-    let matches = &shot.matches;
-    let pose = &shot.pose;
-    family.integrate(&View {
-        rig: &RIG,
-        map_from_left: pose,
-        left: &left,
-        right: &left,
-        matches,
-        volume: None,
-    });
-}
-
-fn bits(map: &LogOddsGrid) -> Vec<u32> {
-    map.values().iter().map(|v| v.to_bits()).collect()
-}
 
 proptest! {
     // Most of the time goes into tables of profiles.
@@ -44,7 +25,7 @@ proptest! {
             left_right_check: check, deviation, max_depth_m: 9.0, ..WinnerTakeAllSettings::default()
         };
         let mut family = PeakRatios::new(spec(), settings, &ratios).unwrap();
-        shots.iter().for_each(|shot| integrate_all(&mut family, shot));
+        shots.iter().for_each(|shot| shot.with(|view| family.integrate(view)).unwrap());
         for (member, &peak_ratio) in ratios.iter().enumerate() {
             let settings = WinnerTakeAllSettings { peak_ratio, ..settings };
             let mut alone = WinnerTakeAll::new(spec(), settings).unwrap();
@@ -58,4 +39,19 @@ proptest! {
 fn impossible_ratios_are_refused() {
     let refused = PeakRatios::new(spec(), WinnerTakeAllSettings::default(), &[2.0, 0.5]).unwrap_err();
     assert_eq!(refused.to_string(), "winner-take-all.peak_ratio: expected a number from 1, found 0.5");
+}
+
+#[test]
+fn only_settings_that_differ_in_the_peak_ratio_share() {
+    let base = WinnerTakeAllSettings::default();
+    let other = WinnerTakeAllSettings { peak_ratio: 4.0, ..base };
+    assert!(WinnerTakeAll::shares(&base, &base) && WinnerTakeAll::shares(&base, &other));
+    assert!(!WinnerTakeAll::shares(&base, &WinnerTakeAllSettings { left_right_check: false, ..other }));
+    let family = WinnerTakeAll::build_family(spec(), &[base, other]).unwrap().unwrap();
+    for member in 0..2 {
+        let kinds: Vec<_> = family.layers(member).iter().map(|layer| layer.kind()).collect();
+        assert_eq!(kinds, [LayerKind::Voxels]);
+    }
+    let impossible = WinnerTakeAllSettings { peak_ratio: 0.5, ..base };
+    assert!(WinnerTakeAll::build_family(spec(), &[base, impossible]).is_err());
 }

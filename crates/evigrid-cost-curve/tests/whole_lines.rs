@@ -1,13 +1,14 @@
-//! The winner-take-all mapper, which draws free space cell by cell, against whole lines: every pixel's line is walked from
-//! the camera to its end, and every cell of it is offered the profile's value. Cells must agree to the last bit.
+//! The winner-take-all mapper, which draws free space cell by cell, against whole lines: every pixel's line
+//! is walked from the camera to its end, and every cell of it is offered the profile's value. Cells must
+//! agree to the last bit.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod common;
 
-use common::{RIG, Shot, accepted, integrate, level_camera, shot, spec};
+use common::{RIG, Shot, accepted, bits, integrate, level_camera, shot, spec};
 use evigrid_core::{Disparity, Matches, Pose};
 use evigrid_cost_curve::{Deviation, Profile, ProfileTable, WinnerTakeAll, WinnerTakeAllSettings};
-use evigrid_grid::{FrameEvidence, LogOddsGrid, Mapper, RayWalk};
+use evigrid_grid::{FrameEvidence, LogOddsGrid, RayWalk};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
@@ -20,7 +21,7 @@ struct Line<'a> {
 }
 
 impl Line<'_> {
-    /// What the line offers to a cell that it crosses.
+    /// The key that the line offers to a cell that it crosses.
     fn key(&self, cell: usize) -> Option<i32> {
         let camera = cell_of(self.from);
         let from_camera = |cell: [i64; 3]| (0..3).map(|a| (cell[a] - camera[a]).abs()).sum::<i64>();
@@ -28,7 +29,8 @@ impl Line<'_> {
         (steps >= i64::from(-self.profile.behind())).then(|| self.profile.key(steps.min(1_000_000) as i32))
     }
 
-    /// The part of the line that lies within a cell, as a fraction of its length; negative if it misses the cell.
+    /// The part of the line that lies within a cell, as a fraction of its length; negative if it misses the
+    /// cell.
     fn overlap(&self, cell: usize) -> f64 {
         let (centre, half) = (spec().centre_m(cell), spec().cell_size_m() / 2.0);
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
@@ -184,7 +186,7 @@ proptest! {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let mut mapper = WinnerTakeAll::new(spec(), WinnerTakeAllSettings::default()).unwrap();
             pool.install(|| shots.iter().for_each(|shot| integrate(&mut mapper, shot)));
-            mapper.map().values().iter().map(|l| l.to_bits()).collect::<Vec<_>>()
+            bits(mapper.map())
         });
         prop_assert_eq!(&maps[0], &maps[1]);
         prop_assert_eq!(&maps[0], &maps[2]);

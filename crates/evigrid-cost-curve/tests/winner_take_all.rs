@@ -1,5 +1,5 @@
-//! The winner-take-all mapper against a slow, obvious twin: every pixel by itself, Elfes' closed form along the cells
-//! of its ray, a map of maxima, a sum over frames.
+//! The winner-take-all mapper against a slow, obvious twin: every pixel by itself, Elfes' closed form along
+//! the cells of its ray, a map of maxima, a sum over frames.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod common;
@@ -11,18 +11,18 @@ use evigrid_core::{Disparity, Matches, Pose};
 use evigrid_cost_curve::{
     Deviation, PRIOR_TOLERANCE, WinnerTakeAll, WinnerTakeAllSettings, occupancy_from_weights,
 };
-use evigrid_grid::{Clamp, LogOddsGrid, Mapper, RayWalk, logit, probability};
+use evigrid_grid::{Clamp, LogOddsGrid, RayWalk, logit, probability};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 
-/// Whether the last cell behind the measured one is worth drawing depends on the deviation, which the table rounds:
-/// evidence this near [`PRIOR_TOLERANCE`] may be drawn or not. Log-odds.
+/// Whether the last cell behind the measured one is worth drawing depends on the deviation, which the table
+/// rounds: evidence this near [`PRIOR_TOLERANCE`] may be drawn or not. Log-odds.
 const ROUNDED_TOLERANCE: f64 = 0.0025;
-/// What rounding the deviation may do to a probability ([`evigrid_cost_curve::ProfileTable`]).
+/// Error of a probability by rounding the deviation ([`evigrid_cost_curve::ProfileTable`]).
 const ROUNDED_P: f64 = 0.006;
 
-/// Elfes' profile for cells that lie `steps` in front of the measured one, from its definition: weights 2^-j g_j
-/// over a ray that is long enough on both sides.
+/// Elfes' profile for cells that lie `steps` in front of the measured one, from its definition: weights 2^-j
+/// g_j over a ray that is long enough on both sides.
 fn elfes(steps: i64, deviation: f64) -> f64 {
     let (front, behind) = (steps.max(0) as usize + 300, 200 + steps.min(0).unsigned_abs() as usize);
     let exponent = |k: usize| {
@@ -34,8 +34,8 @@ fn elfes(steps: i64, deviation: f64) -> f64 {
     occupancy_from_weights(&weights)[(front as i64 - steps) as usize]
 }
 
-/// What each cell of one frame gets before fusion: the least and the most probability, which differ where evidence may
-/// be drawn or not. The least is 0.5 where that is the only evidence, and so none at all may be drawn.
+/// The evidence of one frame for each cell: the least and the most probability, which differ where evidence
+/// may be drawn or not. The least is 0.5 where that is the only evidence, and so none at all may be drawn.
 fn frame_by_hand(settings: &WinnerTakeAllSettings, shot: &Shot) -> BTreeMap<usize, Evidence> {
     let spec = spec();
     let mut best: BTreeMap<usize, Evidence> = BTreeMap::new();
@@ -83,7 +83,7 @@ struct Evidence {
     most: f64,
 }
 
-/// One frame: the probability of every cell.
+/// Checks one frame: the probability of every cell.
 fn check_frame(settings: &WinnerTakeAllSettings, shot: &Shot) -> Result<LogOddsGrid, TestCaseError> {
     let by_hand = frame_by_hand(settings, shot);
     let mut mapper = WinnerTakeAll::new(spec(), *settings).unwrap();
@@ -107,7 +107,7 @@ fn check_frame(settings: &WinnerTakeAllSettings, shot: &Shot) -> Result<LogOddsG
     Ok(mapper.map().clone())
 }
 
-/// Every frame by itself, and all of them by the sum of their log-odds.
+/// Checks every frame by itself, and all of them by the sum of their log-odds.
 fn check(settings: WinnerTakeAllSettings, shots: &[Shot]) -> Result<(), TestCaseError> {
     let Clamp { min, max } = settings.clamp();
     let mut sum: BTreeMap<usize, f32> = BTreeMap::new();
@@ -136,14 +136,14 @@ proptest! {
         max_depth_m in 3.0..15.0_f64,
     ) {
         let deviation = if follows_range { Deviation::FollowsRange } else { Deviation::Constant };
-        let settings =
-            WinnerTakeAllSettings { deviation, left_right_check, max_depth_m, ..WinnerTakeAllSettings::default() };
+        let base = WinnerTakeAllSettings::default();
+        let settings = WinnerTakeAllSettings { deviation, left_right_check, max_depth_m, ..base };
         check(settings, &shots)?;
     }
 }
 
-/// A wall 6 m ahead fills the image: the cells of the wall are occupied, those in front of it free, those behind it
-/// unknown.
+/// A wall 6 m ahead fills the image: the cells of the wall are occupied, those in front of it free, those
+/// behind it unknown.
 #[test]
 fn a_wall_by_geometry() {
     let n = RIG.width * RIG.height;
@@ -161,7 +161,8 @@ fn a_wall_by_geometry() {
         assert_eq!(l > 0.0, i == 15, "cell {cell} in layer {i}: {l}");
         walls += usize::from(i == 15);
     }
-    // The field of view at 6.2 m: 16/14 * 6.2 m wide, more than the grid's 6 m; 12/14 * 6.2 m high, more than its 4 m.
+    // The field of view at 6.2 m: 16/14 * 6.2 m wide, more than the grid's 6 m; 12/14 * 6.2 m high, more than
+    // its 4 m.
     assert!(walls > 100, "{walls} of the 150 cells of the layer; pixels are wider than a cell there");
 }
 

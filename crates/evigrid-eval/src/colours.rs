@@ -1,4 +1,5 @@
-/// Google's Turbo (Mikhailov 2019) in its published polynomial approximation, for 0..1: from blue over green to red.
+/// Google's Turbo (Mikhailov 2019) in its published polynomial approximation, for 0..1: from blue over green
+/// to red.
 pub fn turbo(t: f32) -> [u8; 3] {
     const RED: [f32; 6] = [0.135_721_4, 4.615_392_6, -42.660_32, 132.131_08, -152.942_4, 59.286_38];
     const GREEN: [f32; 6] = [0.091_402_6, 2.194_188_4, 4.842_967, -14.185_033, 4.277_298_6, 2.829_566_2];

@@ -1,37 +1,35 @@
-//! Runs mapping methods over a recording and scores them: the settings of a run, the loop, the results folder, its
-//! tables and map files. Results are plain values; tables, progress and recording are equal observers of the loop.
+//! Runs mapping methods over a recording and scores them: the settings of a run, the one loop over frames for
+//! runs, sweeps and foreign maps, and the truth of every kind of map. Tables, progress and recording are
+//! equal observers of a run.
 
 mod clock;
 mod colours;
-mod compare;
 mod config;
-mod ground_truth;
-mod map_file;
+mod frame_range;
+mod match_source;
 mod memory;
-mod method;
+mod needs;
 mod observer;
-mod outputs;
-mod pair_matcher;
+mod pass;
 mod plan;
 mod prefetch;
+mod recording;
 mod run;
-mod score_file;
-mod scores;
+mod score;
 mod sweep;
 mod tables;
+mod truth;
 
 pub use clock::{Clock, RealClock};
 pub use colours::turbo;
-pub use compare::{CompareOptions, Comparison, ToleranceRule, compare, parse_percent};
 pub use config::{Config, ConfigError, InputSettings, OutputSettings, RunSettings, ScoreSettings};
-pub use map_file::{MapFile, read_map, write_map, write_truth};
+pub use frame_range::FrameRange;
 pub use memory::peak_memory_mib;
-pub use method::Method;
-pub use observer::{MethodStep, Observer, RunInfo, RunResult, StageTime, Step};
-pub use outputs::{PendingFile, ResultsFolder, SealedFile};
-pub use plan::{FrameRange, Plan, data_root, open_dataset};
+pub use observer::{MethodStep, Observer, Step};
+pub use plan::{Plan, RunJob};
+pub use recording::{Recording, data_root};
 pub use run::evaluate;
-pub use score_file::score_map_file;
-pub use scores::{MethodResult, Scores};
+pub use score::score_map_file;
 pub use sweep::{Mapped, Sweep, SweepPlan, SweepStep, map_together, run_sweep};
-pub use tables::{TableWriter, markdown_summary, run_json};
+pub use tables::TableWriter;
+pub use truth::Truth;

@@ -9,8 +9,8 @@ use crate::Clock;
 /// Frames that may wait to be mapped: memory stays bounded however long the recording is.
 const FRAMES_AHEAD: usize = 2;
 
-/// Reads frames on a thread of its own while earlier ones are mapped. Each comes with the milliseconds that reading
-/// took. Reading ends with the first error, or when the receiver is dropped.
+/// Reads frames on a thread of its own while earlier ones are mapped. Each comes with the milliseconds that
+/// reading took. Reading ends with the first error, or when the receiver is dropped.
 pub(crate) fn read_ahead<'scope>(
     scope: &'scope Scope<'scope, '_>,
     sequence: &'scope dyn Sequence,

@@ -10,9 +10,9 @@ const NONE: i32 = i32::MIN;
 /// Cells fused by one task; large enough to hide the cost of starting it.
 const CELLS_PER_TASK: usize = 1 << 14;
 
-/// The evidence of ONE frame: per cell the largest log-odds that any ray of the frame offers ("obstacle priority":
-/// Andert 2009, section IV; Brandao et al., section IV). Rays may be drawn from many threads at once; a maximum does
-/// not depend on their order, so the result is the same for any number of threads.
+/// The evidence of ONE frame: per cell the largest log-odds that any ray of the frame offers ("obstacle
+/// priority": Andert 2009, section IV; Brandao et al., section IV). Rays may be drawn from many threads at
+/// once; a maximum does not depend on their order, so the result is the same for any number of threads.
 #[derive(Debug)]
 pub struct FrameEvidence {
     keys: Vec<AtomicI32>,
@@ -32,7 +32,7 @@ impl FrameEvidence {
     }
 
     /// The log-odds of a key: the inverse of [`Self::key`].
-    pub(crate) fn log_odds(key: i32) -> f32 {
+    pub fn log_odds(key: i32) -> f32 {
         f32::from_bits((key ^ (((key >> 31) as u32) >> 1) as i32) as u32)
     }
 
@@ -57,13 +57,13 @@ impl FrameEvidence {
         Some(self.keys[flat].load(Ordering::Relaxed)).filter(|&k| k != NONE).map(Self::log_odds)
     }
 
-    /// Adds the frame's evidence to a map, l_t = clamp(l_{t-1} + evidence), where untouched cells start at the prior
-    /// 0.5 (log-odds 0), and empties it for the next frame.
+    /// Adds the frame's evidence to a map, l_t = clamp(l_{t-1} + evidence), where untouched cells start at
+    /// the prior 0.5 (log-odds 0), and empties it for the next frame.
     pub fn fuse_into(&mut self, map: &mut LogOddsGrid, clamp: Clamp) {
         self.fuse_from(0.0, map, clamp);
     }
 
-    /// The same, where untouched cells start at the log-odds of another prior.
+    /// As [`Self::fuse_into`], where untouched cells start at the log-odds of another prior.
     pub fn fuse_from(&mut self, prior: f32, map: &mut LogOddsGrid, clamp: Clamp) {
         let keys = self.keys.par_chunks_mut(CELLS_PER_TASK);
         let values = map.values_mut().par_chunks_mut(CELLS_PER_TASK);

@@ -5,8 +5,8 @@ use std::f32::consts::LN_2;
 
 use crate::Clamp;
 
-/// The largest error of [`bounded_logit`] for P from 1e-6 to 0.999, log-odds, beside that of P's rounding; asserted in the
-/// tests.
+/// The largest error of [`bounded_logit`] for P from 1e-6 to 0.999, log-odds, beside that of P's rounding;
+/// asserted in the tests.
 pub const LOG_ODDS_ERROR: f64 = 2e-6;
 
 /// ln(P / (1 - P)) within bounds; 0 for P = 0.5, and of P's side of 0 for every other P.

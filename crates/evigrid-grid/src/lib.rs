@@ -1,22 +1,29 @@
-//! Voxel grids: geometry, ray walks, log-odds and their fusion, the three-way belief of a map, and the interface of
-//! every mapping method.
+//! Grids and the interface of mapping methods: geometry in two and three dimensions, ray walks, log-odds and
+//! their fusion, the layers that a method shows, what a method needs, and how a map is asked to grow by a
+//! frame.
 
 mod evidence;
 mod fast_logit;
+mod lattice;
+mod layer;
 mod log_odds;
 mod mapper;
-mod nested;
-mod ray_batch;
+mod method;
+mod plan_grid;
+mod project;
 mod ray_walk;
-mod spec;
+mod safety_map;
 mod view_rays;
 
 pub use evidence::FrameEvidence;
 pub use fast_logit::{LOG_ODDS_ERROR, bounded_logit};
-pub use log_odds::{Belief, Clamp, LogOddsGrid, logit, probability};
-pub use mapper::{Mapper, MapperFamily, View};
-pub use nested::{NestedEvidence, NestedMaps};
-pub use ray_batch::RayBatch;
-pub use ray_walk::RayWalk;
-pub use spec::{GridError, GridSettings, GridSpec, cell_index};
+pub use lattice::{GridError, GridSettings, GridSpec, Lattice, PlanSpec, cell_index};
+pub use layer::{Layer, LayerKind};
+pub use log_odds::{Clamp, LogOddsGrid, logit, probability};
+pub use mapper::{MapError, Mapper, MapperFamily};
+pub use method::{Method, Needs};
+pub use plan_grid::PlanGrid;
+pub use project::{levels_in_band, projected};
+pub use ray_walk::{RayWalk, WalkAxis};
+pub use safety_map::{SafetyLabel, SafetyMap, SafetyPlane};
 pub use view_rays::ViewRays;

@@ -10,25 +10,6 @@ pub fn probability(log_odds: f64) -> f64 {
     1.0 / (1.0 + (-log_odds).exp())
 }
 
-/// What a map says of one cell, as two masses; the rest is unknown.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Belief {
-    /// Mass of "occupied".
-    pub occupied: f32,
-    /// Mass of "free".
-    pub free: f32,
-}
-
-impl Belief {
-    /// A cell that no measurement has touched.
-    pub const UNKNOWN: Self = Self { occupied: 0.0, free: 0.0 };
-
-    /// Mass of "unknown".
-    pub fn unknown(&self) -> f32 {
-        1.0 - self.occupied - self.free
-    }
-}
-
 /// The bounds that fused log-odds are kept within, so that a map can still change its mind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clamp {
@@ -39,10 +20,10 @@ pub struct Clamp {
 }
 
 impl Clamp {
-    /// What a cell's log-odds are after one more piece of evidence. A cell that was never touched (NaN) is at the prior
-    /// 0.5, log-odds 0.
+    /// Log-odds of a cell after one more piece of evidence. A cell that was never touched (NaN) is at the
+    /// prior 0.5, log-odds 0.
     #[inline]
-    pub(crate) fn add(&self, before: f32, evidence: f32) -> f32 {
+    pub fn add(&self, before: f32, evidence: f32) -> f32 {
         let before = if before.is_nan() { 0.0 } else { before };
         (before + evidence).clamp(self.min, self.max)
     }
@@ -82,14 +63,6 @@ impl LogOddsGrid {
         Some(self.values[flat]).filter(|v| !v.is_nan())
     }
 
-    /// The three-way answer for a cell.
-    pub fn belief(&self, flat: usize) -> Belief {
-        self.log_odds(flat).map_or(Belief::UNKNOWN, |l| {
-            let occupied = probability(f64::from(l)) as f32;
-            Belief { occupied, free: 1.0 - occupied }
-        })
-    }
-
     /// Cells that were touched, with their log-odds, by rising flat index.
     pub fn touched(&self) -> impl Iterator<Item = (usize, f32)> {
         self.values.iter().copied().enumerate().filter(|(_, l)| !l.is_nan())
@@ -115,10 +88,7 @@ mod tests {
     fn unknown_is_not_undecided() {
         let mut grid = LogOddsGrid::unknown(GridSpec::new(&GridSettings::default()).unwrap());
         grid.values_mut()[7] = 0.0;
-        assert_eq!(grid.belief(6), Belief::UNKNOWN);
-        assert_eq!(grid.belief(6).unknown(), 1.0);
-        assert_eq!(grid.belief(7), Belief { occupied: 0.5, free: 0.5 });
-        assert_eq!(grid.belief(7).unknown(), 0.0);
+        assert_eq!((grid.log_odds(6), grid.log_odds(7)), (None, Some(0.0)));
         assert_eq!(grid.touched().collect::<Vec<_>>(), [(7, 0.0)]);
     }
 }

@@ -1,66 +1,85 @@
-use std::borrow::Cow;
+use evigrid_core::{CostVolume, Mounting, RoadSplit, View};
 
-use evigrid_core::{CostVolume, GrayImage, Matches, Pose, StereoRig};
+use crate::Layer;
 
-use crate::LogOddsGrid;
-
-/// All that a mapping method may see of one frame. The laser is not among it.
-#[derive(Debug, Clone, Copy)]
-pub struct View<'a> {
-    /// The rig that took the pair.
-    pub rig: &'a StereoRig,
-    /// Where the left camera was.
-    pub map_from_left: &'a Pose,
-    /// The left image.
-    pub left: &'a GrayImage,
-    /// The right image, of the same size.
-    pub right: &'a GrayImage,
-    /// What the matcher says of every pixel, unfiltered.
-    pub matches: &'a Matches,
-    /// The whole cost volume, if any method of the run needs it.
-    pub volume: Option<&'a CostVolume>,
+/// Why a frame could not be mapped. Callers add which frame and which method.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MapError {
+    /// A view that lacks what the method needs.
+    #[error("expected {0}, found none")]
+    Lacks(&'static str),
+    /// A view that the method cannot map.
+    #[error("{what}: expected {expected}, found {found}")]
+    View {
+        /// The part of the view.
+        what: &'static str,
+        /// A value that could be mapped.
+        expected: &'static str,
+        /// The value that is there.
+        found: String,
+    },
 }
 
-/// A mapping method: integrates the evidence of one frame after the other and shows its map.
+impl MapError {
+    /// The cost volume of a view.
+    ///
+    /// # Errors
+    /// If it has none.
+    pub fn volume<'a>(view: &View<'a>) -> Result<&'a CostVolume, Self> {
+        view.volume.ok_or(Self::Lacks("matching costs"))
+    }
+
+    /// The road and the obstacles of a view.
+    ///
+    /// # Errors
+    /// If they are not told apart.
+    pub fn road<'a>(view: &View<'a>) -> Result<&'a RoadSplit, Self> {
+        view.road.ok_or(Self::Lacks("road and obstacles apart"))
+    }
+
+    /// How the camera of a view stands over the ground.
+    ///
+    /// # Errors
+    /// If nobody tells.
+    pub fn mounting(view: &View<'_>) -> Result<Mounting, Self> {
+        view.mounting.ok_or(Self::Lacks("the mounting of the camera over the ground"))
+    }
+}
+
+/// A map in the making: integrates the evidence of one frame after the other and shows its layers.
 pub trait Mapper: Send + Sync {
-    /// Whether [`View::volume`] must be there.
-    fn needs_volume(&self) -> bool {
-        false
-    }
-
     /// Integrates one frame.
-    fn integrate(&mut self, view: &View<'_>);
+    ///
+    /// # Errors
+    /// If the frame cannot be mapped; the map is then as it was before. A mapper never returns `Ok` without
+    /// having mapped.
+    fn integrate(&mut self, view: &View<'_>) -> Result<(), MapError>;
 
-    /// The map so far.
-    fn map(&self) -> &LogOddsGrid;
+    /// The layers so far: those that the method declares, in that order.
+    fn layers(&self) -> Vec<Layer<'_>>;
 }
 
-/// Maps of one method under several settings, built together because a frame is cheaper for all of them at once than for
-/// each by itself. Every map is the same to the last bit as that of a [`Mapper`] of its settings.
+/// Maps of one method under several settings, built together because a frame is cheaper for all of them at
+/// once than for each by itself. Every map is the same to the last bit as that of a [`Mapper`] of its
+/// settings.
 pub trait MapperFamily: Send + Sync {
-    /// Whether [`View::volume`] must be there.
-    fn needs_volume(&self) -> bool {
-        false
-    }
-
     /// Integrates one frame into all maps.
-    fn integrate(&mut self, view: &View<'_>);
+    ///
+    /// # Errors
+    /// As [`Mapper::integrate`].
+    fn integrate(&mut self, view: &View<'_>) -> Result<(), MapError>;
 
-    /// One of the maps so far, by its position in the settings the family was built from.
-    fn map(&self, member: usize) -> Cow<'_, LogOddsGrid>;
+    /// The layers of one of the maps so far, by its position in the settings the family was built from.
+    fn layers(&self, member: usize) -> Vec<Layer<'_>>;
 }
 
 /// A family of one.
 impl MapperFamily for Box<dyn Mapper> {
-    fn needs_volume(&self) -> bool {
-        self.as_ref().needs_volume()
+    fn integrate(&mut self, view: &View<'_>) -> Result<(), MapError> {
+        self.as_mut().integrate(view)
     }
 
-    fn integrate(&mut self, view: &View<'_>) {
-        self.as_mut().integrate(view);
-    }
-
-    fn map(&self, _: usize) -> Cow<'_, LogOddsGrid> {
-        Cow::Borrowed(self.as_ref().map())
+    fn layers(&self, _: usize) -> Vec<Layer<'_>> {
+        self.as_ref().layers()
     }
 }

@@ -6,8 +6,8 @@ use nalgebra::{Matrix3, Vector3};
 use crate::{GridSpec, cell_index};
 
 /// The viewing rays of one frame's left camera. Places are in units of cells from the grid's lower corner
-/// ([`GridSpec::to_cells`]), depths in metres, directions in cells per metre of depth, image points in pixels. The geometry
-/// is that of every paper here (Andert 2009, eqs 1 to 3).
+/// ([`GridSpec::to_cells`]), depths in metres, directions in cells per metre of depth, image points in
+/// pixels. The geometry is that of every paper here (Andert 2009, eqs 1 to 3).
 #[derive(Debug, Clone, Copy)]
 pub struct ViewRays<'a> {
     /// The grid.
@@ -57,24 +57,26 @@ impl<'a> ViewRays<'a> {
         std::array::from_fn(|a| self.origin[a] + depth_m * direction[a])
     }
 
-    /// How many faces a ray crosses from the camera's cell to another: none twice, and so as many as the indices of the
-    /// two cells differ.
+    /// How many faces a ray crosses from the camera's cell to another: none twice, and so as many as the
+    /// indices of the two cells differ.
     #[inline]
     pub fn steps_to(&self, cell: &[i64; 3]) -> i32 {
         let steps: u64 = (0..3).map(|a| cell[a].abs_diff(self.origin_cell[a])).sum();
         steps.min(i32::MAX as u64) as i32
     }
 
-    /// The matrix that takes a place relative to the camera to (x z, y z, z): image point (x, y), depth z in metres.
+    /// The matrix that takes a place relative to the camera to (x z, y z, z): image point (x, y), depth z in
+    /// metres.
     pub fn projection(&self) -> Matrix3<f64> {
         let columns = [self.per_column, self.per_row, self.first].map(Vector3::from);
-        // A place is z (first + x per_column + y per_row). The three are independent: focal length and cell size
-        // are positive.
+        // A place is z (first + x per_column + y per_row). The three are independent: focal length and cell
+        // size are positive.
         Matrix3::from_columns(&columns).try_inverse().unwrap_or_else(Matrix3::zeros)
     }
 
-    /// Indices from..to per axis of the aligned box around the camera and the four corner pixels at the greatest depth
-    /// (Andert 2009, section V-B, step 1), which holds all rays; parts of it may lie outside the grid.
+    /// Indices from..to per axis of the aligned box around the camera and the four corner pixels at the
+    /// greatest depth (Andert 2009, section V-B, step 1), which holds all rays; parts of it may lie outside
+    /// the grid.
     pub fn sensor_box(&self) -> [Range<i64>; 3] {
         let (right, bottom) = ((self.rig.width - 1) as f64, (self.rig.height - 1) as f64);
         let corners = [(0.0, 0.0), (right, 0.0), (0.0, bottom), (right, bottom)];
@@ -113,7 +115,8 @@ mod tests {
     };
 
     proptest! {
-        /// A point goes out along its pixel's ray and comes back by the projection; every ray stays in the box.
+        /// A point goes out along its pixel's ray and comes back by the projection; every ray stays in the
+        /// box.
         #[test]
         fn rays_by_the_pose_alone(
             at in [-3.0..9.0_f64, -3.0..3.0, -2.0..2.0],

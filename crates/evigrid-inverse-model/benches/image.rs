@@ -1,11 +1,11 @@
-//! Time of one image by each method, all of it: filters, pyramid, drawing, fusion. The rows of Andert 2009, Table I.
+//! Time of one image by each method, all of it: filters, pyramid, drawing, fusion (Andert 2009, Table I).
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::time::Instant;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use evigrid_core::{Disparity, GrayImage, Matches, Pose, StereoRig};
-use evigrid_grid::{GridSettings, GridSpec, Mapper, View};
+use evigrid_core::{Disparity, Frame, GrayImage, Matches, Matching, Pose, StereoRig, View};
+use evigrid_grid::{GridSettings, GridSpec, Mapper};
 use evigrid_inverse_model::{
     InverseModelMapper, LinePyramidSettings, LineSettings, RayPyramidSettings, RaySettings,
 };
@@ -36,8 +36,9 @@ const POSTS: [[f64; 4]; 11] = [
     [23.5, 2.9, 0.14, 5.8],
 ];
 
-/// A camera 3 m above a meadow with posts, a wall and a box, a wood behind the range; disparities off by up to a quarter of a pixel,
-/// no measurement in the sky, in patches and in one pixel of twenty. About 194000 of the 307200 pixels have one.
+/// A camera 3 m above a meadow with posts, a wall and a box, a wood behind the range; disparities off by up
+/// to a quarter of a pixel, no measurement in the sky, in patches and in one pixel of twenty. About 194000 of
+/// the 307200 pixels have one.
 fn posts() -> Matches {
     let noise = |n: usize| {
         let h = (n as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -88,9 +89,10 @@ fn bench(c: &mut Criterion) {
     let level = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
     let level = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(level));
     let pose = Pose::from_parts(Vector3::new(0.1, 0.1, 0.1).into(), level);
-    let left = GrayImage::new(RIG.width, RIG.height, vec![0; RIG.width * RIG.height]).unwrap();
-    let view =
-        View { rig: &RIG, map_from_left: &pose, left: &left, right: &left, matches: &matches, volume: None };
+    let grey = || GrayImage::new(RIG.width, RIG.height, vec![0; RIG.width * RIG.height]).unwrap();
+    let frame = Frame::new(0, 0, RIG, grey(), grey(), pose, None).unwrap();
+    let matching = Matching::from(matches);
+    let view = View::new(&frame, None, &matching);
     let mut group = c.benchmark_group("image");
     for cell_size_m in [1.0, 0.5, 0.25] {
         for method in ["line", "line-pyramid", "ray", "ray-pyramid"] {
@@ -102,7 +104,7 @@ fn bench(c: &mut Criterion) {
                     b.iter_custom(|images| {
                         pool.install(|| {
                             let start = Instant::now();
-                            (0..images).for_each(|_| mapper.integrate(&view));
+                            (0..images).for_each(|_| mapper.integrate(&view).unwrap());
                             start.elapsed()
                         })
                     });

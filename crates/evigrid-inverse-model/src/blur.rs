@@ -1,5 +1,7 @@
 //! Blurring of an image's grid by the uncertainty of the vehicle's pose (Andert 2009, section VII).
 
+use std::ops::Range;
+
 use evigrid_grid::{GridSpec, LogOddsGrid};
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -9,11 +11,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum BlurKind {
-    /// Not at all.
+    /// No blur.
     None,
-    /// Everywhere alike.
+    /// One kernel everywhere.
     Constant,
-    /// The more the farther from the vehicle (eq. 17).
+    /// Kernels that grow with the distance from the vehicle (Andert 2009, eq. 17).
     Distance,
 }
 
@@ -25,15 +27,16 @@ pub const MAX_DEVIATION_CELLS: u32 = 16;
 pub struct PoseDeviation {
     /// How far grids are blurred.
     pub kind: BlurKind,
-    /// Of the position, metres.
+    /// Standard deviation of the position, metres.
     pub translation_m: f64,
-    /// Of the attitude, radians.
+    /// Standard deviation of the attitude, radians.
     pub angle: f64,
 }
 
 impl PoseDeviation {
-    /// Standard deviation of the kernel of a cell at a distance from the vehicle in metres, rounded to whole cells; 0: the cell
-    /// keeps its value (eq. 17; Fig. 4 shows kernel sizes, 6 times this plus 1).
+    /// Standard deviation of the kernel of a cell at a distance from the vehicle in metres, rounded to whole
+    /// cells; 0: the cell keeps its value (Andert 2009, eq. 17; Fig. 4 shows kernel sizes, 6 times as much
+    /// plus 1).
     pub fn cells(&self, distance_m: f64, cell_size_m: f64) -> u32 {
         let angle = match self.kind {
             BlurKind::None => return 0,
@@ -45,12 +48,7 @@ impl PoseDeviation {
     }
 
     /// How many cells beyond a box of cells, from..to per axis, its values can reach.
-    pub(crate) fn margin(
-        &self,
-        spec: &GridSpec,
-        vehicle_m: [f64; 3],
-        around: &[std::ops::Range<usize>; 3],
-    ) -> usize {
+    pub(crate) fn margin(&self, spec: &GridSpec, vehicle_m: [f64; 3], around: &[Range<usize>; 3]) -> usize {
         let (vehicle, cell_size_m) = (spec.to_cells(vehicle_m), spec.cell_size_m());
         let farthest = |margin: usize| {
             let axis = |a: usize| {
@@ -59,15 +57,17 @@ impl PoseDeviation {
             };
             (0..3).map(|a| axis(a).powi(2)).sum::<f64>().sqrt() * cell_size_m
         };
-        // Cells farther out have larger kernels, up to a bound: the farthest out that still has one that reaches the box.
+        // Cells farther out have larger kernels, up to a bound: the farthest out that still has one that
+        // reaches the box.
         let reach = |margin: usize| 3 * self.cells(farthest(margin), cell_size_m) as usize;
         (0..=3 * MAX_DEVIATION_CELLS as usize).rev().find(|&margin| reach(margin) >= margin).unwrap_or(0)
     }
 }
 
-/// An image's grid, blurred: each cell becomes the mean of the log-odds around it, weighted by a Gaussian of its own
-/// deviation, cut at three deviations along each axis. Cells of which nothing is said, and those outside the grid, count as
-/// L = 0; a cell has a value if any cell within its kernel has. `vehicle_m` is in the map frame.
+/// An image's grid, blurred (Andert 2009, section VII): each cell becomes the mean of the log-odds around it,
+/// weighted by a Gaussian of its own deviation, cut at three deviations along each axis. Cells of which
+/// nothing is said, and those outside the grid, count as L = 0; a cell has a value if any cell within its
+/// kernel has. `vehicle_m` is in the map frame, metres.
 pub fn blurred(grid: &LogOddsGrid, vehicle_m: [f64; 3], deviation: &PoseDeviation) -> LogOddsGrid {
     let spec = grid.spec();
     let mut blur = Blur::default();
@@ -81,16 +81,18 @@ pub fn blurred(grid: &LogOddsGrid, vehicle_m: [f64; 3], deviation: &PoseDeviatio
 /// The buffers that blurring needs, kept from image to image.
 #[derive(Debug, Default)]
 pub(crate) struct Blur {
-    /// L of a box of cells, 0 where nothing is said, and whether something is.
+    /// Log-odds L of a box of cells, 0 where nothing is said.
     pub values: Vec<f32>,
+    /// 1 for cells of that box of which something is said, else 0.
     pub touched: Vec<u8>,
     passes: [(Vec<f32>, Vec<u8>); 2],
     deviations: Vec<u8>,
 }
 
 impl Blur {
-    /// Blurs the box of cells in the buffers, which begins at cell `low` of the grid, and shows every cell that has a
-    /// value. All cells with kernels of one size are done together, by three passes along the axes.
+    /// Blurs the box of cells in the buffers, which begins at cell `low` of the grid, and shows every cell
+    /// that has a value. All cells with kernels of one size are done together, by three passes along the
+    /// axes.
     pub fn run(
         &mut self,
         spec: &GridSpec,
@@ -124,7 +126,7 @@ impl Blur {
         }
     }
 
-    /// The whole box under one kernel, into the first pass's buffers.
+    /// Blurs the whole box by one kernel, into the first pass's buffers.
     fn convolve(&mut self, shape: [usize; 3], deviation: u32) {
         let weights = kernel(deviation);
         let [(values, touched), spare] = &mut self.passes;

@@ -1,9 +1,10 @@
-//! Eqs 9 to 11 by table, in units of cells.
+//! Andert's eqs 9 to 11 by table, in units of cells.
 
-use crate::{Obstacle, SensorModel};
+use crate::model::{Obstacle, SensorModel};
 
-/// The largest error of P by [`GaussianTable`] against eqs 9 to 11, whatever k, p_min and the deviation; asserted in the
-/// tests. In log-odds that is this over P (1 - P): at most 0.004 between P = 0.25 and 0.75.
+/// The largest error of P by [`GaussianTable`] against Andert's eqs 9 to 11, whatever k, p_min and the
+/// deviation; asserted in the tests. In log-odds that is this over P (1 - P): at most 0.004 between P = 0.25
+/// and 0.75.
 pub const TABLE_ERROR: f64 = 6e-4;
 
 /// Deviations from the measured range at which the Gaussian is taken as 0.
@@ -12,8 +13,8 @@ const STEPS_PER_DEVIATION: f32 = 512.0;
 const LAST_STEP: f32 = LAST_DEVIATION * STEPS_PER_DEVIATION;
 const ENTRIES: usize = 4096;
 
-/// exp(-t^2 / 2) for t from 0 to 4 in steps of 1/512, and 0 from there on: all that takes time in eq. 9, where P is
-/// linear in it. 8 KiB are in use, which stay in the nearest cache.
+/// Table of exp(-t^2 / 2) for t from 0 to 4 in steps of 1/512, and 0 from there on: all that takes time in
+/// eq. 9 of Andert 2009, where P is linear in it. 8 KiB are in use, which stay in the nearest cache.
 #[derive(Debug, Clone)]
 pub struct GaussianTable {
     values: Box<[f32; ENTRIES]>,
@@ -22,14 +23,15 @@ pub struct GaussianTable {
 /// One measurement along its ray, in units of cells.
 #[derive(Debug, Clone, Copy)]
 pub struct Profile {
-    /// l_p.
+    /// Range l_p.
     pub range: f32,
-    /// dl_p.
+    /// Deviation dl_p of the range.
     pub deviation: f32,
-    /// 0.5 + A.
+    /// P at the range, 0.5 + A.
     pub peak: f32,
     /// P in front.
     pub min_probability: f32,
+    /// Steps of the table per cell.
     scale: f32,
 }
 
@@ -68,7 +70,7 @@ impl Default for GaussianTable {
 }
 
 impl GaussianTable {
-    /// The largest P within half a cell of a range in cells: eqs 9 to 11.
+    /// The largest P within half a cell of a range in cells (Andert 2009, eqs 9 to 11).
     #[inline(always)]
     pub fn max_probability(&self, profile: &Profile, range: f32) -> f32 {
         let off = range - profile.range;
@@ -84,16 +86,17 @@ impl GaussianTable {
 /// The constants of a frame's [`SensorModel`] as drawing needs them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FastModel {
-    /// dd / (b f): dz per square metre of depth.
+    /// Deviation dz of a depth per square metre of depth, dd / (b f).
     per_square_depth: f64,
     motion_error_m: f64,
-    /// k / (sqrt(2 pi) c).
+    /// A times the deviation in cells, k / (sqrt(2 pi) c).
     peak_per_deviation: f64,
     max_peak: f64,
     min_probability: f32,
 }
 
 impl FastModel {
+    /// The constants for a rig (b f in metres times pixels) and a cell size in metres.
     pub fn new(model: &SensorModel, base_times_focal: f64, cell_size_m: f64) -> Self {
         Self {
             per_square_depth: model.disparity_error_px / base_times_focal,
@@ -118,7 +121,7 @@ impl FastModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Measurement;
+    use crate::model::Measurement;
     use evigrid_grid::probability;
 
     #[test]
@@ -132,7 +135,7 @@ mod tests {
                 for n in 0..20_000 {
                     let l = 0.0021 * f64::from(n);
                     let exact = probability(Measurement::Obstacle(obstacle).max_log_odds(l, 0.25));
-                    // Single precision moves the range by a part in 10^7, which is much beside a deviation of 1 um.
+                    // Single precision moves the range by a part in 10^7: much beside a deviation of 1 um.
                     if (deviation_m > 1e-3) | ((l - 14.3).abs() > 0.126) | ((l - 14.3).abs() < 0.124) {
                         let found = f64::from(table.max_probability(&profile, (l / 0.25) as f32));
                         worst = worst.max((found - exact).abs());

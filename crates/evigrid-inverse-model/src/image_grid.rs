@@ -1,27 +1,27 @@
 //! The occupancy grid of a single image.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use evigrid_grid::{Clamp, GridSpec, LogOddsGrid, bounded_logit};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use crate::PoseDeviation;
-use crate::blur::Blur;
+use crate::blur::{Blur, PoseDeviation};
 
 /// Cells whose marks are in one word.
 const BLOCK: usize = 64;
 /// Blocks that one task fuses.
 const BLOCKS_PER_TASK: usize = 256;
 
-/// What ONE image says of every cell, as P. Within an image the obstacle has priority: a cell keeps the largest P that
-/// it is offered (Andert 2009, section V-A, step 2b), so that neither the order of pixels nor the number of threads
-/// matters.
+/// The evidence of ONE image for every cell, as P. Within an image the obstacle has priority: a cell keeps
+/// the largest P that it is offered (Andert 2009, section V-A, step 2b), so that neither the order of pixels
+/// nor the number of threads matters.
 #[derive(Debug)]
 pub(crate) struct ImageGrid {
     spec: GridSpec,
-    /// A bit per cell: whether anything was said of it. A marked cell has at least the least P; most have no more, and of them no more
-    /// is ever written.
+    /// A bit per cell: whether anything was said of it. A marked cell has at least the least P; most have no
+    /// more, and of them no more is ever written.
     marks: Vec<AtomicU64>,
     /// The bits of P, which order like P, where it is more than the least.
     cells: Vec<AtomicU32>,
@@ -32,8 +32,9 @@ pub(crate) struct ImageGrid {
 /// How the log-odds of an image are added to a map.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fusion {
-    /// Bounds of the evidence of one image, and of the map.
+    /// Bounds of the evidence of one image.
     pub evidence: Clamp,
+    /// Bounds of the map.
     pub map: Clamp,
     /// Log-odds of the prior, l_0: a cell starts there, and every image says L - l_0 more (Souza eq. 3).
     pub prior: f32,
@@ -42,6 +43,7 @@ pub(crate) struct Fusion {
 }
 
 impl ImageGrid {
+    /// An empty grid of which nothing is said.
     pub fn new(spec: GridSpec) -> Self {
         let count = spec.cell_count();
         Self {
@@ -52,6 +54,7 @@ impl ImageGrid {
         }
     }
 
+    /// The grid's geometry.
     pub fn spec(&self) -> &GridSpec {
         &self.spec
     }
@@ -110,7 +113,7 @@ impl ImageGrid {
     }
 
     /// The indices from..to per axis around all blocks of which something was said.
-    fn used_box(&self) -> [std::ops::Range<usize>; 3] {
+    fn used_box(&self) -> [Range<usize>; 3] {
         let used = (0..self.marks.len()).filter(|&b| self.marks[b].load(Ordering::Relaxed) != 0);
         let last = self.spec.cell_count() - 1;
         let (mut low, mut high) = ([usize::MAX; 3], [0; 3]);
@@ -127,7 +130,8 @@ impl ImageGrid {
         std::array::from_fn(|a| low[a].min(high[a])..high[a])
     }
 
-    /// Adds the image, blurred, to a map and empties it; the number of cells of which it said something before.
+    /// Adds the image, blurred, to a map and empties it; the number of cells of which it said something
+    /// before.
     pub fn fuse_blurred(
         &mut self,
         map: &mut LogOddsGrid,
@@ -140,7 +144,7 @@ impl ImageGrid {
         let margin = deviation.margin(&self.spec, vehicle_m, &around);
         let low: [usize; 3] = std::array::from_fn(|a| around[a].start.saturating_sub(margin));
         let size: [usize; 3] = std::array::from_fn(|a| (around[a].end + margin).min(shape[a]) - low[a]);
-        if around.iter().any(std::ops::Range::is_empty) {
+        if around.iter().any(Range::is_empty) {
             return 0;
         }
         blur.values.clear();
@@ -197,7 +201,8 @@ fn flats(spec: &GridSpec, low: [usize; 3], shape: [usize; 3]) -> impl Iterator<I
     rows.flat_map(move |row| (0..shape[2]).map(move |k| row + k * z))
 }
 
-/// The cells of one block that are marked. Without branches, since cells that are met lie among others.
+/// Adds the marked cells of one block to the map, and empties them. Without branches, since cells that are
+/// met lie among others.
 #[multiversion(targets("x86_64+avx2"))]
 fn fuse_block(cells: &mut [AtomicU32], values: &mut [f32], marks: u64, least: f32, fusion: &Fusion) {
     let mut probabilities = [least; BLOCK];
@@ -212,14 +217,15 @@ fn fuse_block(cells: &mut [AtomicU32], values: &mut [f32], marks: u64, least: f3
 }
 
 impl Fusion {
-    /// Those marks of a block, whose first cell is `first`, that are mapped.
+    /// The marks of a block, whose first cell is `first`, of those cells that are mapped.
     fn wanted(&self, marks: u64, first: usize, levels: usize) -> u64 {
         let Some(only) = self.level else { return marks };
         (0..BLOCK).filter(|n| (first + n) % levels == only).fold(0, |kept, n| kept | marks & 1 << n)
     }
 
-    /// l_t = l_{t-1} + L - l_0 (Souza eq. 3, with the prior's log-odds subtracted as Bayes' rule has it; the print adds
-    /// them). A cell that was never touched (NaN) is at the prior.
+    /// Log-odds of a cell after one more image: l_t = l_{t-1} + L - l_0 (Souza eq. 3, with the prior's
+    /// log-odds subtracted as Bayes' rule has it; the print adds them). A cell that was never touched (NaN)
+    /// is at the prior.
     #[inline(always)]
     pub fn add(&self, before: f32, log_odds: f32) -> f32 {
         let before = if before.is_nan() { self.prior } else { before };

@@ -1,9 +1,10 @@
-//! Which layer of a pyramid a disparity is drawn from (eqs 12 and 13).
+//! The layer of a pyramid that a disparity is drawn from (Andert 2009, eqs 12 and 13).
 
 /// Layers a pyramid may have below and above the image itself.
 pub const LAYERS: std::ops::RangeInclusive<i32> = -4..=30;
 
-/// Eq. 13 as a table over disparity: layer i is used for d in [b 2^i / c, b 2^{i+1} / c), whatever the focal length.
+/// Table of the layer for every disparity (Andert 2009, eq. 13): layer i is used for d in
+/// [b 2^i / c, b 2^{i+1} / c), whatever the focal length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerTable {
     /// First disparity of every layer of [`LAYERS`], pixels.

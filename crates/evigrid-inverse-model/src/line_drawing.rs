@@ -2,61 +2,84 @@
 
 use evigrid_grid::{RayWalk, ViewRays, cell_index};
 
-use crate::Walk;
-use crate::bresenham::{Line, Place};
+use crate::bresenham::{BresenhamLine, Place};
 use crate::gaussian_table::{FastModel, GaussianTable, Profile};
 use crate::image_grid::ImageGrid;
 use crate::line_ends::LineEnds;
+use crate::settings::Walk;
 
-/// What all lines of one image share.
+/// The image that lines are drawn of: everything that all of them have in common.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LineContext<'a> {
+    /// The rays of the pixels.
     pub camera: ViewRays<'a>,
+    /// From depths to profiles.
     pub model: FastModel,
+    /// From profiles to P.
     pub table: &'a GaussianTable,
     /// P of free space, p_min.
     pub free: f32,
+    /// The cells in which a line has ended so far.
     pub ends: &'a LineEnds,
+    /// The grid that is drawn into.
     pub image: &'a ImageGrid,
 }
 
-/// Draws lines one after the other. Neighbouring pixels mostly fall into the same cell and so share their line: of each such run the
-/// cells are found once, and only near what was measured is there anything to be said pixel by pixel.
+/// Counts of drawing lines.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct LineCounts {
+    /// Lines drawn.
+    pub lines: u64,
+    /// Cells drawn, those that pixels share counted for each.
+    pub cells_drawn: u64,
+}
+
+impl LineCounts {
+    /// The counts of two parts of an image together.
+    pub fn plus(self, other: Self) -> Self {
+        Self { lines: self.lines + other.lines, cells_drawn: self.cells_drawn + other.cells_drawn }
+    }
+}
+
+/// Draws lines one after the other. Neighbouring pixels mostly fall into the same cell and so share their
+/// line: of each such run the cells are found once, and only near the measured cell is there anything to be
+/// said pixel by pixel.
 #[derive(Debug)]
 pub(crate) struct LinePen<'a> {
     context: LineContext<'a>,
     walk: Walk,
     end: [i64; 3],
-    line: Line,
+    line: BresenhamLine,
     section: &'a mut Section,
-    /// Cells drawn, those that pixels share counted for each.
-    pub cells_drawn: u64,
-    /// Lines drawn.
-    pub lines: u64,
+    /// The counts so far.
+    pub counts: LineCounts,
 }
 
 /// The last cells of a line, from its end on backwards, as far as some pixel needs them.
 #[derive(Debug, Default)]
 pub(crate) struct Section {
     cells: Vec<u32>,
-    /// l of each cell, in cells: from the camera's centre to the cell's.
+    /// Range l of each cell, in cells: from the camera's centre to the cell's.
     ranges: Vec<f32>,
     /// The largest P that any pixel gives it.
     best: Vec<f32>,
-    /// The cell that comes next, and how many are left.
+    /// The cell that comes next.
     next: Option<Place>,
+    /// How many cells are left.
     left: u64,
 }
 
-/// The cells of a line lie within 0.71 of the way from the camera's cell to its end, and so before a cell there is none
-/// that is farther away by this much; near the camera, which need not be in the middle of its cell, that says nothing.
+/// Cells before a cell of a line are never farther away than it by this much, in cells: they lie within 0.71
+/// of the way from the camera's cell to the line's end. Near the camera, which need not be in the middle of
+/// its cell, that says nothing.
 const STRAY: f32 = 1.5;
 
 impl<'a> LinePen<'a> {
+    /// A pen that has drawn nothing; `section` is a buffer.
     pub fn new(context: LineContext<'a>, walk: Walk, section: &'a mut Section) -> Self {
         section.clear();
-        let (end, line) = ([i64::MIN; 3], Line::empty());
-        Self { context, walk, end, line, section, cells_drawn: 0, lines: 0 }
+        let (end, line) = ([i64::MIN; 3], BresenhamLine::empty());
+        Self { context, walk, end, line, section, counts: LineCounts::default() }
     }
 
     /// Draws the line of an image point with a disparity: steps 1 and 2 of the algorithm.
@@ -69,9 +92,9 @@ impl<'a> LinePen<'a> {
         let far = depth > camera.max_depth_m;
         let depth = if far { camera.max_depth_m } else { depth };
         let end = camera.at_depth(&direction, depth).map(cell_index);
-        self.lines += 1;
+        self.counts.lines += 1;
         if self.walk == Walk::Exact {
-            self.cells_drawn += draw_exact(&self.context, &direction, depth, far);
+            self.counts.cells_drawn += draw_exact(&self.context, &direction, depth, far);
             return;
         }
         // Step 2: the line through the camera's centre and p_g.
@@ -79,7 +102,7 @@ impl<'a> LinePen<'a> {
             self.finish();
             self.begin(end);
         }
-        self.cells_drawn += self.line.cells();
+        self.counts.cells_drawn += self.line.cells();
         if !far {
             let cells_per_metre = norm(&direction);
             let profile = model.profile(depth, cells_per_metre);
@@ -97,16 +120,15 @@ impl<'a> LinePen<'a> {
     fn begin(&mut self, end: [i64; 3]) {
         let LineContext { camera, ends, image, .. } = self.context;
         self.end = end;
-        self.line = Line::new(camera.spec.shape(), camera.origin_cell, end);
-        let [first, last] = self.line.within;
+        self.line = BresenhamLine::new(camera.spec.shape(), camera.origin_cell, end);
         let count = self.line.cells();
         self.section.clear();
         if count > 0 {
             if ends.is_first(&end) {
-                let walk = self.line.from(first);
+                let walk = self.line.from(self.line.first);
                 walk.visit(camera.spec.strides(), count, |flat| image.offer_least(flat));
             }
-            self.section.next = Some(self.line.from(last));
+            self.section.next = Some(self.line.from(self.line.last));
             self.section.left = count;
         }
     }
@@ -120,7 +142,7 @@ impl Section {
         (self.next, self.left) = (None, 0);
     }
 
-    /// One pixel's L^(s(l)) for the cells near what it measured (eq. 11).
+    /// Adds one pixel's L^(s(l)) for the cells near the measured one (eq. 11).
     #[inline(always)]
     fn add(&mut self, context: &LineContext<'_>, profile: &Profile) {
         let start = profile.start();
@@ -133,7 +155,7 @@ impl Section {
         }
     }
 
-    /// One more cell towards the camera.
+    /// Adds one more cell towards the camera.
     fn extend(&mut self, context: &LineContext<'_>) {
         let Some(walk) = &mut self.next else { return };
         let strides = context.camera.spec.strides();
@@ -145,7 +167,7 @@ impl Section {
         walk.back();
     }
 
-    /// Obstacle priority: each cell is offered the largest P, and keeps the larger.
+    /// Offers each cell the largest P of all pixels (obstacle priority).
     #[inline(always)]
     fn offer(&mut self, image: &ImageGrid) {
         for (&cell, &p) in self.cells.iter().zip(&self.best) {
@@ -154,8 +176,8 @@ impl Section {
     }
 }
 
-/// The same along all cells that the ray crosses (Amanatides and Woo 1987) instead of Bresenham's, up to a depth; the number
-/// of them.
+/// Draws a line along all cells that the ray crosses up to a depth (Amanatides and Woo 1987), instead of
+/// along Bresenham's; returns their number.
 fn draw_exact(context: &LineContext<'_>, direction: &[f64; 3], depth: f64, far: bool) -> u64 {
     let LineContext { camera, model, table, image, .. } = context;
     let end = camera.at_depth(direction, depth);
@@ -173,7 +195,7 @@ fn draw_exact(context: &LineContext<'_>, direction: &[f64; 3], depth: f64, far: 
     cells
 }
 
-/// l of a cell: from the camera's centre to the cell's, in cells.
+/// Range l of a cell, in cells: from the camera's centre to the cell's.
 #[inline(always)]
 pub(crate) fn range_of(camera: &ViewRays<'_>, cell: [i64; 3]) -> f32 {
     let off: [f32; 3] = std::array::from_fn(|a| (cell[a] as f64 + 0.5 - camera.origin[a]) as f32);

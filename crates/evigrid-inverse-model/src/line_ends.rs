@@ -1,10 +1,10 @@
-//! Which lines were drawn already in an image.
+//! The lines that were drawn already in an image.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The cells in which some line ended, within the sensor's box. Lines that end in the same cell have the same cells, so that their
-/// free space needs to be drawn once only.
+/// The cells in which some line ended, within the sensor's box. Lines that end in one cell have the same
+/// cells, so that their free space needs to be drawn once only.
 #[derive(Debug, Default)]
 pub(crate) struct LineEnds {
     low: [i64; 3],
@@ -12,11 +12,11 @@ pub(crate) struct LineEnds {
     bits: Vec<AtomicU64>,
 }
 
-/// 16 MiB; with a larger box every line is drawn whole.
+/// Largest box whose cells are remembered, 16 MiB; with a larger one every line is drawn whole.
 const MOST_CELLS: i128 = 1 << 27;
 
 impl LineEnds {
-    /// Forgets all ends; from now on those of an image with this box.
+    /// Forgets all ends and begins an image with this sensor's box.
     pub fn reset(&mut self, sensor_box: &[Range<i64>; 3]) {
         self.low = std::array::from_fn(|a| sensor_box[a].start);
         self.size = std::array::from_fn(|a| (sensor_box[a].end - sensor_box[a].start).max(0));
@@ -29,7 +29,8 @@ impl LineEnds {
         self.bits.resize_with(words, AtomicU64::default);
     }
 
-    /// Whether this is the first line that ends in a cell. Two threads may both be told so, which costs time alone.
+    /// Whether this is the first line that ends in a cell. Two threads may both be told so, which costs time
+    /// alone.
     #[inline(always)]
     pub fn is_first(&self, end: &[i64; 3]) -> bool {
         let place: [i64; 3] = std::array::from_fn(|a| end[a] - self.low[a]);

@@ -1,12 +1,16 @@
-//! The lines of a whole image, one per pixel or one per pixel of a pyramid (Andert 2009, sections V-A and VI-B).
+//! The lines of a whole image, one per pixel (Andert 2009, section V-A) or one per pixel of a pyramid (VI-B).
 
+use std::ops::Range;
+
+use evigrid_core::{MatchFilter, NO_MATCH};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use crate::filter::{Filter, INVALID};
-use crate::line_drawing::{LineContext, LinePen, Section};
+use crate::counters::Counters;
+use crate::layers::LayerTable;
+use crate::line_drawing::{LineContext, LineCounts, LinePen, Section};
 use crate::pyramid::Pyramid;
-use crate::{BlockPoint, Counters, LayerTable, Walk};
+use crate::settings::{BlockPoint, Walk};
 
 /// Image rows that one task draws.
 const ROWS_PER_TASK: usize = 8;
@@ -24,7 +28,7 @@ pub(crate) struct ImagePoint {
 /// Draws the line of every valid pixel (steps 1 to 3).
 pub(crate) fn draw_image(
     context: &LineContext<'_>,
-    filter: &Filter<'_>,
+    filter: MatchFilter<'_>,
     walk: Walk,
     sections: &mut Vec<Section>,
 ) -> Counters {
@@ -35,32 +39,32 @@ pub(crate) fn draw_image(
         let rows = task * ROWS_PER_TASK..height.min((task + 1) * ROWS_PER_TASK);
         draw_rows(context, filter, walk, rows, section)
     });
-    let [lines, cells] = counts.reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
-    counters(lines, lines, cells)
+    let counts = counts.reduce(LineCounts::default, LineCounts::plus);
+    counters(counts.lines, counts)
 }
 
-/// The same for some rows; the lines and the cells drawn.
+/// Draws the lines of the valid pixels of some rows.
 #[multiversion(targets("x86_64+avx2"))]
 fn draw_rows(
     context: &LineContext<'_>,
-    filter: &Filter<'_>,
+    filter: MatchFilter<'_>,
     walk: Walk,
-    rows: std::ops::Range<usize>,
+    rows: Range<usize>,
     section: &mut Section,
-) -> [u64; 2] {
+) -> LineCounts {
     let width = context.camera.rig.width;
     let mut pen = LinePen::new(*context, walk, section);
-    // Loops, not iterators: what iterators call is not compiled for the newer processor.
+    // Loops, not iterators: the functions that iterators call are not compiled for the newer processor.
     for y in rows {
         for x in 0..width {
             let disparity = filter.at(y * width + x);
-            if disparity != INVALID {
+            if disparity != NO_MATCH {
                 pen.draw(x as f64, y as f64, disparity);
             }
         }
     }
     pen.finish();
-    [pen.lines, pen.cells_drawn]
+    pen.counts
 }
 
 /// Draws the lines of the points that the pyramid leaves: `points`, found among `used` valid pixels.
@@ -74,27 +78,35 @@ pub(crate) fn draw_found(
     sections.resize_with(points.len().div_ceil(POINTS_PER_TASK), Section::default);
     let tasks = sections.par_iter_mut().zip(points.par_chunks(POINTS_PER_TASK));
     let counts = tasks.map(|(section, points)| draw_part(context, walk, points, section));
-    let [lines, cells] = counts.reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
-    counters(used, lines, cells)
+    counters(used, counts.reduce(LineCounts::default, LineCounts::plus))
 }
 
+/// Draws the lines of some points.
 #[multiversion(targets("x86_64+avx2"))]
 fn draw_part(
     context: &LineContext<'_>,
     walk: Walk,
     points: &[ImagePoint],
     section: &mut Section,
-) -> [u64; 2] {
+) -> LineCounts {
     let mut pen = LinePen::new(*context, walk, section);
     for point in points {
         pen.draw(f64::from(point.x), f64::from(point.y), point.disparity);
     }
     pen.finish();
-    [pen.lines, pen.cells_drawn]
+    pen.counts
 }
 
-fn counters(used_pixels: u64, lines: u64, cells_drawn: u64) -> Counters {
-    Counters { coordinate_transfers: used_pixels + 1, used_pixels, lines, cells_drawn, ..Counters::default() }
+/// The counts of an image whose lines come from so many pixels: a coordinate transfer for each, and one for
+/// the camera.
+fn counters(used_pixels: u64, counts: LineCounts) -> Counters {
+    Counters {
+        coordinate_transfers: used_pixels + 1,
+        used_pixels,
+        lines: counts.lines,
+        cells_drawn: counts.cells_drawn,
+        ..Counters::default()
+    }
 }
 
 /// The recursion of pyramidal line drawing (section VI-B).
@@ -109,24 +121,25 @@ pub(crate) struct Descent<'a> {
     pub block_point: BlockPoint,
     /// How many layers below that of eq. 13 lines are drawn from.
     pub finer: i32,
+    /// The points that were found.
     pub points: &'a mut Vec<ImagePoint>,
     /// Valid pixels read.
     pub used: u64,
 }
 
 impl Descent<'_> {
-    /// From the top of the pyramid on.
+    /// Finds the points whose lines are to be drawn, from the top of the pyramid on.
     pub fn run(&mut self) {
         self.points.clear();
         self.visit(self.pyramid.top(), 0, 0);
     }
 
-    /// Draws a pixel if the layer is fine enough for its distance (eqs 12 and 13) or the lowest there is, else tries those of the layer
-    /// below.
+    /// Takes a pixel of layer i if the layer is fine enough for its distance (eqs 12 and 13) or the lowest
+    /// there is, else tries the pixels of the layer below.
     fn visit(&mut self, i: i32, x: usize, y: usize) {
         let enlarged = (-i).max(0);
         let disparity = self.pyramid.layer(i).at(x >> enlarged, y >> enlarged);
-        if disparity == INVALID {
+        if disparity == NO_MATCH {
             return;
         }
         self.used += 1;

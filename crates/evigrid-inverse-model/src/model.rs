@@ -1,4 +1,5 @@
-//! The inverse sensor model of Andert 2009, section IV, with the motion error of Souza et al. 2012, in closed form.
+//! The inverse sensor model of Andert 2009, section IV, with the motion error of Souza et al. 2012, in closed
+//! form.
 
 use std::f64::consts::TAU;
 
@@ -7,14 +8,14 @@ use evigrid_grid::logit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What becomes of a pixel so near that its peak would be no probability: P(l) lies in (0, 1) only while
+/// Treatment of a pixel so near that its peak would be no probability: P(l) lies in (0, 1) only while
 /// A = k / (dl sqrt(2 pi)) < 1/2 (Andert 2009, section IV: "for all l >= l_min").
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NearPixels {
-    /// It is drawn with a smaller k, so that its peak is the largest evidence that a frame may give.
+    /// Draws the pixel with a smaller k, so that its peak is the largest evidence that a frame may give.
     Limit,
-    /// It is dropped, like every pixel nearer than [`SensorModel::nearest_depth_m`].
+    /// Drops the pixel, like every one nearer than [`SensorModel::nearest_depth_m`].
     Reject,
 }
 
@@ -23,13 +24,13 @@ pub enum NearPixels {
 pub struct SensorModel {
     /// Significance of one measurement, metres (eq. 9).
     pub k: f64,
-    /// P of a cell in front of what was measured, between 0 and 0.5 (eq. 10).
+    /// P of a cell in front of the measured one, between 0 and 0.5 (eq. 10).
     pub min_probability: f64,
     /// Uncertainty of a disparity, pixels (eq. 4).
     pub disparity_error_px: f64,
     /// Error of the platform's motion, metres (Souza eq. 13); 0 with Andert.
     pub motion_error_m: f64,
-    /// What becomes of pixels that are too near for k.
+    /// Treatment of pixels that are too near for k.
     pub near: NearPixels,
     /// The largest A, below 0.5, that [`NearPixels::Limit`] lets stand.
     pub max_peak: f64,
@@ -37,28 +38,28 @@ pub struct SensorModel {
     pub max_depth_m: f64,
 }
 
-/// What one pixel says of its ray.
+/// The evidence of one pixel for its ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measurement {
     /// Something at a range.
     Obstacle(Obstacle),
-    /// Nothing up to this range (l of the point at the largest depth), metres.
+    /// Nothing up to a range, that of the point at the largest depth.
     Free {
         /// Range up to which the ray is free, metres.
         range_m: f64,
-        /// P there.
+        /// P of the cells up to there.
         min_probability: f64,
     },
 }
 
-/// A measured range with what eqs 9 and 10 need.
+/// A measured range with the numbers that Andert's eqs 9 and 10 need.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Obstacle {
-    /// l_p, metres (eq. 6).
+    /// Range l_p, metres (eq. 6).
     pub range_m: f64,
-    /// dl_p, metres (eq. 7).
+    /// Deviation dl_p of the range, metres (eq. 7).
     pub deviation_m: f64,
-    /// A = k / (dl_p sqrt(2 pi)), the height of the peak above 0.5.
+    /// Height A of the peak above 0.5, k / (dl_p sqrt(2 pi)).
     pub peak: f64,
     /// P of a cell in front (eq. 10).
     pub min_probability: f64,
@@ -70,21 +71,22 @@ impl SensorModel {
         depth_m * depth_m / (rig.baseline_m * rig.focal_px) * self.disparity_error_px + self.motion_error_m
     }
 
-    /// The depth at which A = 1/2 on the optical axis, metres: nearer pixels break P in (0, 1). 0 if the motion error
-    /// alone keeps A below that.
+    /// The depth at which A = 1/2 on the optical axis, metres: nearer pixels break P in (0, 1). 0 if the
+    /// motion error alone keeps A below that.
     pub fn nearest_depth_m(&self, rig: &StereoRig) -> f64 {
         let depth_deviation = 2.0 * self.k / TAU.sqrt() - self.motion_error_m;
         (depth_deviation.max(0.0) * rig.baseline_m * rig.focal_px / self.disparity_error_px).sqrt()
     }
 
-    /// A = k / (dl sqrt(2 pi)) of a range deviation in metres (eq. 9), kept within the limit for near pixels.
+    /// Height A = k / (dl sqrt(2 pi)) of the peak above 0.5 for a range deviation in metres (eq. 9), kept
+    /// within the limit for near pixels.
     #[inline]
     pub fn peak(&self, deviation_m: f64) -> f64 {
         (self.k / (deviation_m * TAU.sqrt())).min(self.max_peak)
     }
 
-    /// What a disparity says of the ray through image point (x, y), pixels (eqs 1, 2, 4, 6, 7); `None` for no
-    /// measurement, or one that is nearer than [`NearPixels::Reject`] allows.
+    /// The evidence of a disparity for the ray through image point (x, y), pixels (Andert eqs 1, 2, 4, 6, 7);
+    /// `None` for no measurement, or one that is nearer than [`NearPixels::Reject`] allows.
     pub fn measure(&self, rig: &StereoRig, (x, y): (f64, f64), disparity_px: f64) -> Option<Measurement> {
         if disparity_px.is_nan() {
             return None;
@@ -104,22 +106,23 @@ impl SensorModel {
 }
 
 impl Obstacle {
-    /// P(s(l)), eqs 9 and 10.
+    /// Occupancy P(s(l)) at a range, metres (Andert eqs 9 and 10).
     pub fn probability(&self, range_m: f64) -> f64 {
         let before = if range_m <= self.range_m { self.min_probability } else { 0.5 };
         let t = (range_m - self.range_m) / self.deviation_m;
         before + (self.peak + 0.5 - before) * (-0.5 * t * t).exp()
     }
 
-    /// L(s(l)), eq. 8.
+    /// Log-odds L(s(l)) at a range, metres (eq. 8).
     pub fn log_odds(&self, range_m: f64) -> f64 {
         logit(self.probability(range_m))
     }
 }
 
 impl Measurement {
-    /// L^(s(l)), eq. 11: the largest L within half a cell of `range_m`; 0 where the ray says nothing. L rises up to l_p
-    /// and falls behind it, so that the largest is at the place of the interval nearest to l_p.
+    /// Log-odds L^(s(l)) of a cell at a range (eq. 11): the largest L within half a cell of it; 0 where the
+    /// ray says nothing. L rises up to l_p and falls behind it, so that the largest is at the place of the
+    /// interval nearest to l_p.
     pub fn max_log_odds(&self, range_m: f64, cell_size_m: f64) -> f64 {
         match self {
             Self::Obstacle(obstacle) => {

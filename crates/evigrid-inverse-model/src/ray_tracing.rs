@@ -2,16 +2,16 @@
 
 use std::ops::Range;
 
+use evigrid_core::NO_MATCH;
+use evigrid_grid::ViewRays;
 use multiversion::multiversion;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::filter::INVALID;
 use crate::gaussian_table::{FastModel, GaussianTable};
 use crate::image_grid::ImageGrid;
 use crate::pyramid::Pyramid;
-use crate::window::{Projection, Window};
-use evigrid_grid::ViewRays;
+use crate::window::{Window, WindowProjection};
 
 /// How the largest disparity around a cell's image is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,23 +22,29 @@ pub(crate) enum Search {
     Pyramid,
 }
 
-/// What all cells of one image share.
+/// The image that rays are traced in: everything that all cells have in common.
 #[derive(Debug)]
 pub(crate) struct RayContext<'a> {
+    /// The rays of the pixels.
     pub camera: ViewRays<'a>,
+    /// From depths to profiles.
     pub model: FastModel,
+    /// From profiles to P.
     pub table: &'a GaussianTable,
     /// P of free space, p_min.
     pub free: f32,
-    pub projection: Projection,
-    /// Of the largest disparities; layer 0 is the image.
+    /// From cells to the pixels that see them.
+    pub projection: WindowProjection,
+    /// The pyramid of the largest disparities; layer 0 is the image.
     pub pyramid: &'a Pyramid,
+    /// How the largest disparity is found.
     pub search: Search,
+    /// The grid that is drawn into.
     pub image: &'a ImageGrid,
 }
 
-/// Sets every cell of the sensor's box to L^(s(l)) of the nearest that is seen around it: steps 1 and 2. Returned is the number of
-/// pixels that were looked at.
+/// Sets every cell of the sensor's box to L^(s(l)) of the nearest that is seen around it: steps 1 and 2.
+/// Returns the number of pixels that were looked at.
 pub(crate) fn trace_rays(context: &RayContext<'_>) -> u64 {
     let [layers, columns, levels] = context.camera.box_in_grid();
     let across = columns.len();
@@ -47,7 +53,7 @@ pub(crate) fn trace_rays(context: &RayContext<'_>) -> u64 {
     (0..layers.len() * across).into_par_iter().map(row).sum()
 }
 
-/// The cells with these indices along x and y.
+/// Traces the cells with these indices along x and y; returns the number of pixels that were looked at.
 #[multiversion(targets("x86_64+avx2"))]
 fn trace_row(context: &RayContext<'_>, i: usize, j: usize, levels: Range<usize>) -> u64 {
     let RayContext { camera, projection, image, .. } = context;
@@ -79,11 +85,11 @@ fn trace_row(context: &RayContext<'_>, i: usize, j: usize, levels: Range<usize>)
     pixels
 }
 
-/// P of a cell, given the largest disparity around its image; `None` where that says nothing (L = 0).
+/// Probability P of a cell, given the largest disparity around its image; `None` where that says nothing.
 #[inline(always)]
 fn probability(context: &RayContext<'_>, disparity: f32, centre: &Vector3<f64>, depth: f64) -> Option<f32> {
     let camera = &context.camera;
-    if disparity == INVALID {
+    if disparity == NO_MATCH {
         return None;
     }
     let measured = camera.rig.depth_m(f64::from(disparity));
@@ -96,18 +102,19 @@ fn probability(context: &RayContext<'_>, disparity: f32, centre: &Vector3<f64>, 
     Some(context.table.max_probability(&profile, range as f32)).filter(|&p| p != 0.5)
 }
 
-fn pixels_of([[left, right], [top, bottom]]: Window) -> u64 {
-    ((right - left + 1) * (bottom - top + 1)) as u64
+/// The number of a window's pixels.
+fn pixels_of(window: Window) -> u64 {
+    ((window.right - window.left + 1) * (window.bottom - window.top + 1)) as u64
 }
 
-/// d^ of all pixels of a window; INVALID if none has a measurement.
+/// Largest disparity d^ of all pixels of a window; [`NO_MATCH`] if none has one.
 #[inline(always)]
-fn largest_in_window(pyramid: &Pyramid, [[left, right], [top, bottom]]: Window) -> f32 {
+fn largest_in_window(pyramid: &Pyramid, window: Window) -> f32 {
     let image = pyramid.layer(0);
-    let mut largest = INVALID;
-    for y in top..=bottom {
-        let row = &image.row(y)[left..=right];
-        let mut lanes = [INVALID; 8];
+    let mut largest = NO_MATCH;
+    for y in window.top..=window.bottom {
+        let row = &image.row(y)[window.left..=window.right];
+        let mut lanes = [NO_MATCH; 8];
         let mut chunks = row.chunks_exact(8);
         for chunk in &mut chunks {
             for (lane, &d) in lanes.iter_mut().zip(chunk) {
@@ -120,8 +127,8 @@ fn largest_in_window(pyramid: &Pyramid, [[left, right], [top, bottom]]: Window) 
     largest
 }
 
-/// d^ of the four pixels of the fitting layer i >= 0, from floor(x / 2^i), floor(y / 2^i) on; and that they are four. At the
-/// image's end the last ones are taken twice.
+/// Largest disparity d^ of the four pixels of the fitting layer i >= 0, from floor(x / 2^i), floor(y / 2^i)
+/// on; and the number of pixels, four. At the image's end the last ones are taken twice.
 #[inline(always)]
 fn largest_of_four(context: &RayContext<'_>, [x, y]: [f64; 2], depth: f64) -> (f32, u64) {
     let pyramid = context.pyramid;
@@ -133,12 +140,14 @@ fn largest_of_four(context: &RayContext<'_>, [x, y]: [f64; 2], depth: f64) -> (f
     let (left, top) = (at(x), at(y));
     let (right, bottom) = ((left + 1).min(layer.width - 1), (top + 1).min(layer.height - 1));
     let corners = [(left, top), (right, top), (left, bottom), (right, bottom)];
-    let largest =
-        corners.iter().map(|&(x, y)| layer.at(x, y)).fold(INVALID, |most, d| if d > most { d } else { most });
+    let largest = corners
+        .iter()
+        .map(|&(x, y)| layer.at(x, y))
+        .fold(NO_MATCH, |most, d| if d > most { d } else { most });
     (largest, 4)
 }
 
-/// floor(log2 v) of a positive number that is not tiny.
+/// Exponent floor(log2 v) of a positive number that is not tiny.
 #[inline(always)]
 fn exponent(v: f64) -> i32 {
     ((v.to_bits() >> 52) & 0x7ff) as i32 - 1023

@@ -9,8 +9,8 @@ pub struct Slice {
     pub log_odds: Vec<f32>,
 }
 
-/// The level of a map that holds a height (z of the map frame, metres): that of the optical centre, for Fig. 7. `None`
-/// if the map does not reach it.
+/// The level of a map that holds a height (z of the map frame, metres), for Souza's Fig. 7 that of the
+/// optical centre. `None` if the map does not reach it.
 pub fn horizontal_slice(map: &LogOddsGrid, height_m: f64) -> Option<Slice> {
     let [nx, ny, levels] = map.spec().shape();
     let level = level_of(map, height_m)?;

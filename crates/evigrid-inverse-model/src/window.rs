@@ -12,16 +12,18 @@ use evigrid_grid::ViewRays;
 pub enum WindowCube {
     /// The cell itself.
     Cell,
-    /// A cube of 1 m around the cell's centre, whatever the cell size: the counts of Table I can only come from that.
+    /// A cube of 1 m around the cell's centre, whatever the cell size: the counts of Table I can only come
+    /// from that.
     Metre,
 }
 
-/// From places relative to the camera to the image.
+/// Projection of the cubes around cells into the image of one frame. Places are relative to the camera; a
+/// projected place is (x z, y z, z) for image point (x, y) and depth z in metres.
 #[derive(Debug, Clone)]
-pub(crate) struct Projection {
-    /// (x z, y z, z) of a place: image point (x, y), depth z.
+pub(crate) struct WindowProjection {
+    /// The matrix that projects a place.
     pub matrix: Matrix3<f64>,
-    /// The same of the cube's corners relative to its centre: x z, y z and z of all eight.
+    /// The projected corners of a cube, relative to its projected centre: x z, y z and z of all eight.
     corners: [[f64; 8]; 3],
     /// Half the cube's extent in depth, metres.
     half_depth_m: f64,
@@ -29,15 +31,29 @@ pub(crate) struct Projection {
     last: [f64; 2],
 }
 
-/// First and last column, first and last row.
-pub(crate) type Window = [[usize; 2]; 2];
+/// A rectangle of pixels, by its outermost columns and rows.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Window {
+    pub left: usize,
+    pub right: usize,
+    pub top: usize,
+    pub bottom: usize,
+}
 
-impl Projection {
-    /// `edge`: of the cube, in cells.
-    pub fn new(camera: &ViewRays<'_>, edge: f64) -> Self {
+/// The numbers from one to another.
+#[derive(Debug, Clone, Copy)]
+struct Interval {
+    low: f64,
+    high: f64,
+}
+
+impl WindowProjection {
+    /// The projection of one frame, for cubes with an edge of so many cells.
+    pub fn new(camera: &ViewRays<'_>, edge_cells: f64) -> Self {
         let matrix = camera.projection();
-        let half =
-            |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -0.5 * edge } else { 0.5 * edge };
+        let half = |corner: usize, axis: usize| {
+            if corner >> axis & 1 == 0 { -0.5 * edge_cells } else { 0.5 * edge_cells }
+        };
         let corner = |n: usize| matrix * Vector3::from_fn(|a, _| half(n, a));
         let corners = std::array::from_fn(|row| std::array::from_fn(|n| corner(n)[row]));
         let last = [camera.rig.width, camera.rig.height].map(|size| (size - 1) as f64);
@@ -56,24 +72,26 @@ impl Projection {
         (inside(point[0], self.last[0]) & inside(point[1], self.last[1])).then_some(point)
     }
 
-    /// The pixels within the rectangle around the images of the eight corners, cut to the image; the whole image if a
-    /// corner lies at or behind the camera's plane. `None` if no pixel lies in it.
+    /// The pixels within the rectangle around the images of the eight corners, cut to the image; the whole
+    /// image if a corner lies at or behind the camera's plane. `None` if no pixel lies in it.
     #[inline(always)]
     pub fn window(&self, place: &Vector3<f64>) -> Option<Window> {
         if place.z <= self.half_depth_m {
-            return Some(self.last.map(|last| [0, last as usize]));
+            let [right, bottom] = self.last.map(|last| last as usize);
+            return Some(Window { left: 0, right, top: 0, bottom });
         }
         let [xs, ys, zs] = &self.corners;
         let inverse: [f64; 8] = std::array::from_fn(|n| 1.0 / (place.z + zs[n]));
         let x = span(&std::array::from_fn(|n| (place.x + xs[n]) * inverse[n]));
         let y = span(&std::array::from_fn(|n| (place.y + ys[n]) * inverse[n]));
-        Some([cut(x, self.last[0])?, cut(y, self.last[1])?])
+        let ((left, right), (top, bottom)) = (cut(x, self.last[0])?, cut(y, self.last[1])?);
+        Some(Window { left, right, top, bottom })
     }
 }
 
-/// The smallest and the largest of eight numbers.
+/// The interval from the smallest to the largest of eight numbers.
 #[inline(always)]
-fn span(values: &[f64; 8]) -> [f64; 2] {
+fn span(values: &[f64; 8]) -> Interval {
     let (mut low, mut high) = (*values, *values);
     for half in [4, 2, 1] {
         for n in 0..half {
@@ -81,15 +99,16 @@ fn span(values: &[f64; 8]) -> [f64; 2] {
             high[n] = if high[n + half] > high[n] { high[n + half] } else { high[n] };
         }
     }
-    [low[0], high[0]]
+    Interval { low: low[0], high: high[0] }
 }
 
-/// The whole numbers nearest to the ends of an interval and those between, from 0 to `last`.
+/// The whole numbers nearest to the ends of an interval, cut to the range from 0 to `last`; `None` if it lies
+/// outside.
 #[inline(always)]
-fn cut([low, high]: [f64; 2], last: f64) -> Option<[usize; 2]> {
+fn cut(interval: Interval, last: f64) -> Option<(usize, usize)> {
     // Below 0 the whole number does not matter; within the image, cutting off is rounding down.
-    let (low, high) = ((low + 0.5).max(0.0), high + 0.5);
-    (low < last + 1.0 && high >= 0.0).then_some([low as usize, high.min(last) as usize])
+    let (low, high) = ((interval.low + 0.5).max(0.0), interval.high + 0.5);
+    (low < last + 1.0 && high >= 0.0).then_some((low as usize, high.min(last) as usize))
 }
 
 #[cfg(test)]
@@ -98,18 +117,18 @@ mod tests {
 
     #[test]
     fn windows_are_cut_to_the_image() {
-        for ([low, high], expected) in [
-            ([3.4, 4.6], Some([3, 5])),
-            ([-2.0, 0.2], Some([0, 0])),
-            ([-2.0, -0.6], None),
+        for (low, high, expected) in [
+            (3.4, 4.6, Some((3, 5))),
+            (-2.0, 0.2, Some((0, 0))),
+            (-2.0, -0.6, None),
             // In the outer half of the last column.
-            ([20.1, 20.4], Some([20, 20])),
-            ([20.2, 21.7], Some([20, 20])),
-            ([20.6, 21.7], None),
-            ([-5.0, 50.0], Some([0, 20])),
-            ([f64::NEG_INFINITY, f64::INFINITY], Some([0, 20])),
+            (20.1, 20.4, Some((20, 20))),
+            (20.2, 21.7, Some((20, 20))),
+            (20.6, 21.7, None),
+            (-5.0, 50.0, Some((0, 20))),
+            (f64::NEG_INFINITY, f64::INFINITY, Some((0, 20))),
         ] {
-            assert_eq!(cut([low, high], 20.0), expected, "{low} to {high}");
+            assert_eq!(cut(Interval { low, high }, 20.0), expected, "{low} to {high}");
         }
     }
 }

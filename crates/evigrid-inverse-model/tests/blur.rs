@@ -3,9 +3,9 @@
 
 mod common;
 
-use common::{Shot, level_camera, shot};
+use common::{N, Shot, level_camera, shot};
 use evigrid_core::Pose;
-use evigrid_grid::{GridSettings, GridSpec, LogOddsGrid, Mapper};
+use evigrid_grid::{GridSettings, GridSpec, LogOddsGrid};
 use evigrid_inverse_model::{BlurKind, InverseModelMapper, LineSettings, PoseDeviation, blurred};
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -104,7 +104,7 @@ proptest! {
         };
         let mut mapper = InverseModelMapper::line(spec(), settings).unwrap();
         let (image, counters) = shot.with(|view| mapper.single_image(view));
-        shot.with(|view| mapper.integrate(view));
+        shot.integrate(&mut mapper);
         prop_assert_eq!(mapper.counters(), &counters);
         for flat in 0..spec().cell_count() {
             match (image.log_odds(flat), mapper.map().log_odds(flat)) {
@@ -142,9 +142,9 @@ fn kernels_grow_with_the_distance() {
 #[test]
 fn blurring_nothing_is_nothing() {
     let pose = Pose::from_parts(Vector3::zeros().into(), level_camera());
-    let shot = Shot::of(pose, vec![f32::NAN; common::RIG.width * common::RIG.height]);
+    let shot = Shot::of(pose, vec![f32::NAN; N]);
     let settings = LineSettings { blur: BlurKind::Constant, ..LineSettings::default() };
     let mut mapper = InverseModelMapper::line(spec(), settings).unwrap();
-    shot.with(|view| mapper.integrate(view));
+    shot.integrate(&mut mapper);
     assert_eq!(mapper.map().touched().count(), 0);
 }

@@ -1,5 +1,5 @@
-//! Line drawing against a direct transcription: every pixel by itself, Bresenham's algorithm with its growing errors, eqs 1 to
-//! 11 in double precision, a map of maxima.
+//! Line drawing against a direct transcription: every pixel by itself, the cells of its line from the
+//! definition of Bresenham's line, eqs 1 to 11 in double precision, a map of maxima.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod common;
@@ -28,22 +28,19 @@ fn model(near: NearPixels) -> SensorModel {
     }
 }
 
-/// The cells of the line, by Bresenham's algorithm.
-fn bresenham(start: [i64; 3], end: [i64; 3]) -> Vec<[i64; 3]> {
-    let length: [i64; 3] = std::array::from_fn(|a| (end[a] - start[a]).abs());
-    let n = length.into_iter().fold(0, i64::max);
-    let (mut cell, mut error, mut cells) = (start, [n; 3], vec![start]);
-    for _ in 0..n {
-        for a in 0..3 {
-            error[a] += 2 * length[a];
-            if error[a] >= 2 * n {
-                error[a] -= 2 * n;
-                cell[a] += (end[a] - start[a]).signum();
-            }
-        }
-        cells.push(cell);
-    }
-    cells
+/// The cells of Bresenham's line from its definition, for comparison alone: N steps, N the largest difference
+/// of the indices, and after n steps each index is the one nearest to n/N of its way; of two, the one farther
+/// from the start.
+fn line_by_definition(start: [i64; 3], end: [i64; 3]) -> Vec<[i64; 3]> {
+    let ways: [i64; 3] = std::array::from_fn(|a| (end[a] - start[a]).abs());
+    let steps = ways.into_iter().fold(0, i64::max);
+    let after = |n: i64, a: usize| {
+        // All indices of the way are tried. Distances are in units of 1/N.
+        let distance = |moved: i64| (moved * steps - n * ways[a]).abs();
+        let moved = (0..=ways[a]).rev().min_by_key(|&moved| distance(moved)).unwrap();
+        start[a] + (end[a] - start[a]).signum() * moved
+    };
+    (0..=steps).map(|n| std::array::from_fn(|a| after(n, a))).collect()
 }
 
 /// An image by the book: P of every drawn cell, and the counts.
@@ -56,14 +53,14 @@ struct ByHand {
 }
 
 impl ByHand {
-    fn line(&mut self, shot: &Shot, model: &SensorModel, walk: Walk, (x, y): (f64, f64), disparity: f32) {
+    fn line(&mut self, shot: &Shot, model: &SensorModel, walk: Walk, x: f64, y: f64, disparity: f32) {
         let spec = spec();
         let disparity = f64::from(disparity);
         let Some(measured) = model.measure(&RIG, (x, y), disparity) else { return };
         let depth = RIG.depth_m(disparity).min(MAX_DEPTH_M);
         let (camera, end) = (shot.camera(), shot.point(x, y, depth));
         let flats: Vec<usize> = match walk {
-            Walk::Bresenham => bresenham(cell_at(camera.into()), cell_at(end.coords.into()))
+            Walk::Bresenham => line_by_definition(cell_at(camera.into()), cell_at(end.coords.into()))
                 .into_iter()
                 .filter_map(|cell| spec.flat(cell))
                 .collect(),
@@ -87,14 +84,14 @@ fn by_hand(shot: &Shot, near: NearPixels, walk: Walk) -> ByHand {
     let (mut hand, model) = (ByHand::default(), model(near));
     for (x, y) in (0..RIG.height).flat_map(|y| (0..RIG.width).map(move |x| (x, y))) {
         if let Some(d) = shot.believed(x, y) {
-            hand.line(shot, &model, walk, (x as f64, y as f64), d);
+            hand.line(shot, &model, walk, x as f64, y as f64, d);
         }
     }
     hand.used = hand.lines;
     hand
 }
 
-/// Layer i's pixel, straight from its definition (eqs 14 and 15).
+/// A pixel of layer i, straight from its definition (eqs 14 and 15).
 fn layer_pixel(shot: &Shot, i: i32, x: usize, y: usize) -> Option<f32> {
     if i <= 0 {
         return shot.believed(x >> -i, y >> -i);
@@ -104,14 +101,18 @@ fn layer_pixel(shot: &Shot, i: i32, x: usize, y: usize) -> Option<f32> {
     rows.filter_map(|(x, y)| shot.believed(x, y)).reduce(f32::min)
 }
 
-/// The recursion of section VI-B.
-fn descend(
-    hand: &mut ByHand,
-    shot: &Shot,
-    (i, x, y): (i32, usize, usize),
-    (lowest, finer): (i32, i32),
+/// How pyramids of lines are drawn.
+#[derive(Clone, Copy)]
+struct Layers {
+    lowest: i32,
+    finer: i32,
+    /// 0.5 for the centres of blocks, 0 for their corners.
     off: f64,
-) {
+}
+
+/// The recursion of section VI-B.
+fn descend(hand: &mut ByHand, shot: &Shot, layers: Layers, i: i32, x: usize, y: usize) {
+    let Layers { lowest, finer, off } = layers;
     let size = |v: usize, i: i32| if i <= 0 { v << -i } else { v.div_ceil(1 << i) };
     if x >= size(RIG.width, i) || y >= size(RIG.height, i) {
         return;
@@ -121,10 +122,10 @@ fn descend(
     let depth = RIG.depth_m(f64::from(d)).min(MAX_DEPTH_M);
     if i == lowest || depth * f64::from(i + finer).exp2() / RIG.focal_px <= CELL_M {
         let at = |v: usize| (v as f64 + off) * f64::from(i).exp2() - off;
-        hand.line(shot, &model(NearPixels::Limit), Walk::Bresenham, (at(x), at(y)), d);
+        hand.line(shot, &model(NearPixels::Limit), Walk::Bresenham, at(x), at(y), d);
     } else {
         for (x, y) in [(2 * x, 2 * y), (2 * x + 1, 2 * y), (2 * x, 2 * y + 1), (2 * x + 1, 2 * y + 1)] {
-            descend(hand, shot, (i - 1, x, y), (lowest, finer), off);
+            descend(hand, shot, layers, i - 1, x, y);
         }
     }
 }
@@ -161,14 +162,25 @@ proptest! {
     }
 
     #[test]
-    fn pyramids_of_lines_are_drawn_by_the_book(shot in shot(), lowest_layer in -3..=0_i32, finer_layers in 0..3_i32, centre: bool) {
+    fn pyramids_of_lines_are_drawn_by_the_book(
+        shot in shot(),
+        lowest_layer in -3..=0_i32,
+        finer_layers in 0..3_i32,
+        centre: bool,
+    ) {
         let (block_point, off) = if centre { (BlockPoint::Centre, 0.5) } else { (BlockPoint::Corner, 0.0) };
-        let settings =
-            LinePyramidSettings { max_depth_m: MAX_DEPTH_M, lowest_layer, block_point, finer_layers, ..LinePyramidSettings::default() };
+        let settings = LinePyramidSettings {
+            max_depth_m: MAX_DEPTH_M,
+            lowest_layer,
+            block_point,
+            finer_layers,
+            ..LinePyramidSettings::default()
+        };
         let mut mapper = InverseModelMapper::line_pyramid(spec(), settings).unwrap();
         let (found, counters) = shot.with(|view| mapper.single_image(view));
         let mut hand = ByHand::default();
-        descend(&mut hand, &shot, (5, 0, 0), (lowest_layer, finer_layers), off);
+        let layers = Layers { lowest: lowest_layer, finer: finer_layers, off };
+        descend(&mut hand, &shot, layers, 5, 0, 0);
         check(&hand, &found, &counters)?;
     }
 }

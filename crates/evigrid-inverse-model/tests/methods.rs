@@ -1,36 +1,16 @@
-//! What all methods must do alike: fusion, filters, threads, empty and hostile input.
+//! The common behaviour of all methods: fusion, filters, threads, empty and hostile input.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod common;
 
-use common::{CELL_M, RIG, Shot, level_camera, shot, spec};
-use evigrid_core::{Disparity, Pose};
-use evigrid_grid::{GridSettings, GridSpec, LogOddsGrid, Mapper, logit};
-use evigrid_inverse_model::{
-    BlurKind, InverseModelMapper, LinePyramidSettings, LineSettings, NearPixels, PoseDeviation,
-    RayPyramidSettings, RaySettings, SettingError, SouzaSettings,
-};
+use common::{N, RIG, Shot, all, bits, level_camera, shot, spec, wall};
+use evigrid_core::{CoreError, Disparity, Frame, GrayImage, Pose, StereoRig};
+use evigrid_grid::{GridSettings, GridSpec, logit};
+use evigrid_inverse_model::{InverseModelMapper, LineSettings, NearPixels, SouzaSettings};
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
-const N: usize = 21 * 15;
-
-/// One mapper of each method.
-fn all(spec: GridSpec) -> [InverseModelMapper; 5] {
-    [
-        InverseModelMapper::line(spec, LineSettings::default()).unwrap(),
-        InverseModelMapper::line_pyramid(spec, LinePyramidSettings::default()).unwrap(),
-        InverseModelMapper::ray(spec, RaySettings::default()).unwrap(),
-        InverseModelMapper::ray_pyramid(spec, RayPyramidSettings::default()).unwrap(),
-        InverseModelMapper::souza(spec, SouzaSettings::default()).unwrap(),
-    ]
-}
-
-fn bits(map: &LogOddsGrid) -> Vec<u32> {
-    map.values().iter().map(|l| l.to_bits()).collect()
-}
-
-/// So many cells that several tasks fuse them.
+/// A grid of so many cells that several tasks fuse them.
 fn many_cells() -> GridSpec {
     let settings = GridSettings { x_m: [-1.0, 11.0], y_m: [-3.0, 3.0], z_m: [-2.0, 2.0], cell_size_m: 0.15 };
     GridSpec::new(&settings).unwrap()
@@ -42,7 +22,8 @@ proptest! {
     fn images_add_up_and_threads_change_nothing(shots in prop::collection::vec(shot(), 1..4)) {
         let pools = [1, 2, 3].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
         // A single image knows nothing of the way to it.
-        let still = SouzaSettings { motion_error_per_m: 0.0, motion_error_m: 0.1, ..SouzaSettings::default() };
+        let base = SouzaSettings::default();
+        let still = SouzaSettings { motion_error_per_m: 0.0, motion_error_m: 0.1, ..base };
         let all = || {
             let [line, line_pyramid, ray, ray_pyramid, _] = all(many_cells());
             [line, line_pyramid, ray, ray_pyramid, InverseModelMapper::souza(many_cells(), still).unwrap()]
@@ -60,7 +41,7 @@ proptest! {
             for pool in &pools {
                 let mut mappers = all();
                 for shot in &shots {
-                    pool.install(|| shot.with(|view| mappers[method].integrate(view)));
+                    pool.install(|| shot.integrate(&mut mappers[method]));
                 }
                 let found = mappers[method].map();
                 let same = bits(found) == sum.iter().map(|l| l.to_bits()).collect::<Vec<_>>();
@@ -70,17 +51,12 @@ proptest! {
     }
 }
 
-fn wall(depth_m: f64) -> Shot {
-    let pose = Pose::from_parts(Vector3::new(0.1, 0.1, 0.1).into(), level_camera());
-    Shot::of(pose, vec![RIG.disparity_px(depth_m) as f32; N])
-}
-
-/// A wall fills the image: what lies on the camera's axis is free up to it, occupied there, and behind it no method
-/// says that it is free.
+/// A wall fills the image: what lies on the camera's axis is free up to it, occupied there, and behind it no
+/// method says that it is free.
 #[test]
 fn a_wall_by_geometry() {
     for (method, mut mapper) in all(spec()).into_iter().enumerate() {
-        wall(6.1).with(|view| mapper.integrate(view));
+        wall(6.1).integrate(&mut mapper);
         for i in 3..spec().shape()[0] {
             let cell = spec().flat([i as i64, 7, 5]).unwrap();
             let (x, l) = (spec().centre_m(cell)[0] - 0.1, mapper.map().log_odds(cell));
@@ -98,7 +74,7 @@ fn a_wall_by_geometry() {
 fn infinitely_far_is_free_up_to_the_range() {
     let pose = wall(1.0).pose;
     for (method, mut mapper) in all(spec()).into_iter().enumerate() {
-        Shot::of(pose, vec![0.0; N]).with(|view| mapper.integrate(view));
+        Shot::of(pose, vec![0.0; N]).integrate(&mut mapper);
         assert!(mapper.map().touched().count() > 1000, "method {method}");
         for (_, l) in mapper.map().touched() {
             assert!((f64::from(l) - logit(0.35)).abs() < 1e-6);
@@ -113,13 +89,13 @@ fn filters_drop_matches() {
     for mut mapper in all(spec()) {
         let mut shot = wall(6.0);
         shot.matches.peak_ratio = vec![1.49; N];
-        shot.with(|view| mapper.integrate(view));
+        shot.integrate(&mut mapper);
         shot.matches.peak_ratio = vec![2.0; N];
         shot.matches.left_right_difference_px = vec![2; N];
-        shot.with(|view| mapper.integrate(view));
+        shot.integrate(&mut mapper);
         assert_eq!(mapper.map().touched().count(), 0);
         shot.matches.left_right_difference_px = vec![1; N];
-        shot.with(|view| mapper.integrate(view));
+        shot.integrate(&mut mapper);
         assert!(mapper.map().touched().count() > 0);
     }
 }
@@ -130,13 +106,13 @@ fn pixels_too_near_for_k_are_limited_or_dropped() {
     let one_metre = wall(1.0);
     let build = |near| InverseModelMapper::line(spec(), LineSettings { near, ..LineSettings::default() });
     let mut limit = build(NearPixels::Limit).unwrap();
-    one_metre.with(|view| limit.integrate(view));
+    one_metre.integrate(&mut limit);
     let largest = limit.map().touched().map(|(_, l)| l).fold(0.0, f32::max);
     assert!((largest - 5.0).abs() < 1e-3, "{largest}");
     let mut reject = build(NearPixels::Reject).unwrap();
-    one_metre.with(|view| reject.integrate(view));
+    one_metre.integrate(&mut reject);
     assert_eq!(reject.map().touched().count(), 0);
-    wall(1.3).with(|view| reject.integrate(view));
+    wall(1.3).integrate(&mut reject);
     assert!(reject.map().touched().count() > 0);
 }
 
@@ -144,18 +120,18 @@ fn pixels_too_near_for_k_are_limited_or_dropped() {
 fn images_that_say_nothing_leave_the_map_unknown() {
     let far = [[1e3, 0.0, 0.0], [0.0, -50.0, 0.0], [1e15, -1e15, 1e15], [f64::MAX, 0.0, 0.0]];
     for mut mapper in all(spec()) {
-        Shot::of(wall(1.0).pose, vec![f32::NAN; N]).with(|view| mapper.integrate(view));
+        Shot::of(wall(1.0).pose, vec![f32::NAN; N]).integrate(&mut mapper);
         for at in far {
             // Looking away from the grid, or from too far.
             let pose = Pose::from_parts(Vector3::from(at).into(), level_camera());
             for d in [0.0, 1e-30, 5.0, f32::MAX] {
-                Shot::of(pose, vec![d; N]).with(|view| mapper.integrate(view));
+                Shot::of(pose, vec![d; N]).integrate(&mut mapper);
             }
         }
         assert_eq!(mapper.map().touched().count(), 0);
         // A camera behind the grid that looks into it.
         let pose = Pose::from_parts(Vector3::new(-4.0, 0.1, 0.1).into(), level_camera());
-        Shot::of(pose, vec![0.0; N]).with(|view| mapper.integrate(view));
+        Shot::of(pose, vec![0.0; N]).integrate(&mut mapper);
         assert!(mapper.map().touched().count() > 0);
     }
 }
@@ -167,7 +143,7 @@ fn impossible_images_are_refused_before_any_method() {
         assert!(error.contains("finite number from 0"), "{error}");
     }
     for (focal_px, baseline_m) in [(0.0, 0.3), (f64::NAN, 0.3), (700.0, 0.0), (700.0, -0.3)] {
-        let rig = evigrid_core::StereoRig { focal_px, baseline_m, ..RIG };
+        let rig = StereoRig { focal_px, baseline_m, ..RIG };
         assert!(rig.checked().is_err());
     }
     let tiny = GridSettings { cell_size_m: 1e-4, ..GridSettings::default() };
@@ -187,7 +163,7 @@ fn eps_grows_with_the_way() {
     let mut shot = wall(6.0);
     let mut highest = || {
         let (image, _) = shot.with(|view| mapper.single_image(view));
-        shot.with(|view| mapper.integrate(view));
+        shot.integrate(&mut mapper);
         // 2 m on, by a turned camera: the way counts, not the place.
         shot.pose.translation.vector += Vector3::new(2.0, 0.0, 0.0);
         shot.pose.rotation = UnitQuaternion::from_euler_angles(0.0, 0.0, 1e-3) * shot.pose.rotation;
@@ -209,7 +185,7 @@ fn souza_without_motion_is_line_drawing_and_a_slice_is_a_part_of_it() {
     let mut souza = InverseModelMapper::souza(spec(), still).unwrap();
     let mut slice = InverseModelMapper::souza(spec(), SouzaSettings { slice: true, ..still }).unwrap();
     for mapper in [&mut line, &mut souza, &mut slice] {
-        wall(6.0).with(|view| mapper.integrate(view));
+        wall(6.0).integrate(mapper);
     }
     assert_eq!(bits(line.map()), bits(souza.map()));
     // The optical centre is at 0.1 m, in level 5 of cells that begin at -2 m.
@@ -220,117 +196,13 @@ fn souza_without_motion_is_line_drawing_and_a_slice_is_a_part_of_it() {
     }
 }
 
-fn refused(result: Result<InverseModelMapper, SettingError>, start: &str, value: &str) {
-    let error = result.unwrap_err().to_string();
-    assert!(error.starts_with(start) && error.ends_with(&format!("found {value}")), "{error}");
-}
-
+/// Mappers need not ask whether a pose is finite: no view has another.
 #[test]
-fn impossible_settings_are_refused_with_bound_and_value() {
-    let base = LineSettings::default();
-    for (bad, key, value) in [
-        (LineSettings { k: 0.0, ..base }, "k", "0"),
-        (LineSettings { k: f64::NAN, ..base }, "k", "NaN"),
-        (LineSettings { min_probability: 0.5, ..base }, "min_probability", "0.5"),
-        (LineSettings { min_probability: 0.0, ..base }, "min_probability", "0"),
-        (LineSettings { max_depth_m: -1.0, ..base }, "max_depth_m", "-1"),
-        (LineSettings { max_depth_m: f64::INFINITY, ..base }, "max_depth_m", "inf"),
-        (LineSettings { disparity_error_px: 0.0, ..base }, "disparity_error_px", "0"),
-        (LineSettings { peak_ratio: 0.9, ..base }, "peak_ratio", "0.9"),
-        (LineSettings { blur_angle_deg: -1.0, ..base }, "blur_angle_deg", "-1"),
-        (LineSettings { log_odds_bounds: [1.0, 5.0], ..base }, "log_odds_bounds", "[1, 5]"),
-    ] {
-        refused(InverseModelMapper::line(spec(), bad), &format!("line.{key}: expected "), value);
-    }
-    let layer = LinePyramidSettings { lowest_layer: -9, ..LinePyramidSettings::default() };
-    refused(InverseModelMapper::line_pyramid(spec(), layer), "line-pyramid.lowest_layer: ", "-9");
-    let k = RaySettings { k: -1.0, ..RaySettings::default() };
-    refused(InverseModelMapper::ray(spec(), k), "ray.k: ", "-1");
-    let k = RayPyramidSettings { k: -1.0, ..RayPyramidSettings::default() };
-    refused(InverseModelMapper::ray_pyramid(spec(), k), "ray-pyramid.k: ", "-1");
-    let base = SouzaSettings::default();
-    let eps = SouzaSettings { motion_error_m: -0.1, ..base };
-    refused(InverseModelMapper::souza(spec(), eps), "souza.motion_error_m: ", "-0.1");
-    let eps = SouzaSettings { motion_error_per_m: -0.1, ..base };
-    refused(InverseModelMapper::souza(spec(), eps), "souza.motion_error_per_m: ", "-0.1");
-    let prior = SouzaSettings { prior_probability: 1.0, ..base };
-    refused(InverseModelMapper::souza(spec(), prior), "souza.prior_probability: ", "1");
-    let prior = SouzaSettings { prior_probability: 0.2, ..base };
-    refused(InverseModelMapper::souza(spec(), prior), "souza.prior_probability: ", "0.2");
-    let finer = LinePyramidSettings { finer_layers: 4, ..LinePyramidSettings::default() };
-    refused(InverseModelMapper::line_pyramid(spec(), finer), "line-pyramid.finer_layers: ", "4");
-    let depth = LineSettings { max_depth_m: 1e9, ..LineSettings::default() };
-    refused(InverseModelMapper::line(spec(), depth), "line.max_depth_m: ", "1000000000");
-}
-
-#[test]
-fn every_method_can_be_blurred() {
-    let blur = BlurKind::Distance;
-    let blurred = [
-        InverseModelMapper::line(spec(), LineSettings { blur, ..LineSettings::default() }),
-        InverseModelMapper::line_pyramid(
-            spec(),
-            LinePyramidSettings { blur, ..LinePyramidSettings::default() },
-        ),
-        InverseModelMapper::ray(spec(), RaySettings { blur, ..RaySettings::default() }),
-        InverseModelMapper::ray_pyramid(spec(), RayPyramidSettings { blur, ..RayPyramidSettings::default() }),
-        InverseModelMapper::souza(spec(), SouzaSettings { blur, ..SouzaSettings::default() }),
-    ];
-    let settings = LineSettings::default();
-    let deviation = PoseDeviation {
-        kind: blur,
-        translation_m: settings.blur_translation_m,
-        angle: settings.blur_angle_deg.to_radians(),
-    };
-    for (mut found, mut plain) in blurred.map(Result::unwrap).into_iter().zip(all(spec())) {
-        let shot = wall(6.0);
-        shot.with(|view| found.integrate(view));
-        let (drawn, _) = shot.with(|view| plain.single_image(view));
-        let expected = evigrid_inverse_model::blurred(&drawn, shot.camera().into(), &deviation);
-        assert!(expected.touched().count() > drawn.touched().count());
-        assert_eq!(bits(found.map()), bits(&expected));
-    }
-}
-
-/// With a prior other than 0.5, blurring says nothing of cells far from all that was seen.
-#[test]
-fn blur_spreads_what_an_image_adds_to_the_prior() {
-    let prior = SouzaSettings { prior_probability: 0.4, motion_error_per_m: 0.0, ..SouzaSettings::default() };
-    let blur = SouzaSettings { blur: BlurKind::Constant, blur_translation_m: CELL_M, ..prior };
-    let [mut plain, mut blurred] =
-        [prior, blur].map(|settings| InverseModelMapper::souza(spec(), settings).unwrap());
-    let shot = wall(6.0);
-    shot.with(|view| plain.integrate(view));
-    shot.with(|view| blurred.integrate(view));
-    let l0 = logit(0.4) as f32;
-    let drawn = plain.map();
-    let mut halo = 0;
-    for (cell, l) in blurred.map().touched() {
-        // Three deviations along each axis: only cells that add something can move the prior, and by no more than they add.
-        let voxel = spec().voxel(cell).map(|v| v as i64);
-        let near = (-3..=3_i64).flat_map(|i| (-3..=3).flat_map(move |j| (-3..=3).map(move |k| [i, j, k])));
-        let seen = near.filter_map(|d| {
-            let other = spec().flat([voxel[0] + d[0], voxel[1] + d[1], voxel[2] + d[2]])?;
-            Some((drawn.log_odds(other)? - l0).abs())
-        });
-        let most = seen.fold(0.0, f32::max);
-        halo += usize::from(drawn.log_odds(cell).is_none());
-        assert!((l - l0).abs() <= most + 1e-5, "cell {cell}: {l}");
-        if drawn.log_odds(cell).is_none() {
-            assert!((l - l0).abs() < 0.6 * most, "cell {cell}: {l}");
-        }
-    }
-    assert!(halo > 100, "{halo}");
-}
-
-#[test]
-fn a_pose_that_is_none_is_left_out() {
-    let nowhere = Pose::from_parts(Vector3::new(f64::NAN, 0.0, 0.0).into(), level_camera());
-    for mut mapper in all(spec()) {
-        Shot { pose: nowhere, ..wall(6.0) }.with(|view| mapper.integrate(view));
-        assert_eq!(mapper.map().touched().count(), 0);
-        // Nor does it spoil the next one.
-        wall(6.0).with(|view| mapper.integrate(view));
-        assert!(mapper.map().touched().all(|(_, l)| l.abs() < 4.9) && mapper.map().touched().count() > 0);
+fn poses_that_are_none_are_refused_before_any_method() {
+    let grey = || GrayImage::new(RIG.width, RIG.height, vec![0; N]).unwrap();
+    for bad in [f64::NAN, f64::INFINITY] {
+        let nowhere = Pose::from_parts(Vector3::new(bad, 0.0, 0.0).into(), level_camera());
+        let error = Frame::new(0, 0, RIG, grey(), grey(), nowhere, None).unwrap_err();
+        assert!(matches!(error, CoreError::Domain { what: "pose", .. }), "{error}");
     }
 }

@@ -1,5 +1,5 @@
-//! Ray tracing against a direct transcription: every cell of the sensor's box by itself, its corners projected one by one, eqs 1
-//! to 11 in double precision.
+//! Ray tracing against a direct transcription: every cell of the sensor's box by itself, its corners
+//! projected one by one, eqs 1 to 11 in double precision.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod common;
@@ -24,7 +24,7 @@ const MODEL: SensorModel = SensorModel {
     max_depth_m: MAX_DEPTH_M,
 };
 
-/// Which pixels are searched for the largest disparity.
+/// Pixels that are searched for the largest disparity.
 #[derive(Debug, Clone, Copy)]
 enum Search {
     Cube(f64),
@@ -34,7 +34,8 @@ enum Search {
 /// A place whose image decides between two pixels or layers by its last digits is left out of the comparison.
 const NEAR_TIE: f64 = 1e-6;
 
-/// First and last cell of the aligned box around the camera and the corner pixels at the range limit, in the grid.
+/// First and last cell of the aligned box around the camera and the corner pixels at the range limit, in the
+/// grid.
 fn sensor_box(shot: &Shot) -> [std::ops::Range<i64>; 3] {
     let (right, bottom) = ((RIG.width - 1) as f64, (RIG.height - 1) as f64);
     let corners = [(0.0, 0.0), (right, 0.0), (0.0, bottom), (right, bottom)];
@@ -49,8 +50,8 @@ fn sensor_box(shot: &Shot) -> [std::ops::Range<i64>; 3] {
     })
 }
 
-/// The largest disparity in a rectangle of image points, rounded to pixels and cut to the image, and the number of its
-/// pixels; `None` if rounding hangs by a thread.
+/// The largest disparity in a rectangle of image points, rounded to pixels and cut to the image, and the
+/// number of its pixels; `None` if rounding hangs by a thread.
 fn in_rectangle(shot: &Shot, x: [f64; 2], y: [f64; 2]) -> Option<(Option<f32>, u64)> {
     let tie = |v: f64| ((v + 0.5) - (v + 0.5).round()).abs() < NEAR_TIE;
     if x.iter().chain(&y).any(|&v| tie(v)) {
@@ -83,7 +84,7 @@ fn in_window(shot: &Shot, centre: Vector3<f64>, edge_m: f64) -> Option<(Option<f
 }
 
 /// Section VI-C: the four pixels of the fitting layer, whose pixels stand for blocks of 2^i by 2^i.
-fn in_pyramid(shot: &Shot, (u, v): (f64, f64), depth: f64) -> Option<(Option<f32>, u64)> {
+fn in_pyramid(shot: &Shot, u: f64, v: f64, depth: f64) -> Option<(Option<f32>, u64)> {
     let exact = (CELL_M * RIG.focal_px / depth).log2();
     let tie = |v: f64| (v - v.round()).abs() < NEAR_TIE;
     if tie(exact) || tie(u) || tie(v) {
@@ -124,7 +125,7 @@ fn check(shot: &Shot, search: Search, found: &LogOddsGrid, counters: &Counters) 
         };
         let searched = match search {
             Search::Cube(edge_m) => in_window(shot, centre, edge_m),
-            Search::Pyramid => in_pyramid(shot, (u, v), seen.z),
+            Search::Pyramid => in_pyramid(shot, u, v, seen.z),
         };
         let Some((disparity, pixels)) = searched else {
             ties += 1;

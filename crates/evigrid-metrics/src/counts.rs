@@ -1,21 +1,9 @@
-use evigrid_grid::GridSpec;
 use rayon::prelude::*;
 
-use crate::ratio;
+use crate::{VoxelReference, ratio};
 
 /// Cells per task: enough to hide the cost of starting it, and few enough for 32-bit sums.
 const CELLS_PER_TASK: usize = 1 << 14;
-
-/// What the laser says of each cell, by flat index. All three describe the same grid as the map.
-#[derive(Debug, Clone, Copy)]
-pub struct Reference<'a> {
-    /// The grid.
-    pub spec: &'a GridSpec,
-    /// Cells that were ever occupied.
-    pub occupied: &'a [bool],
-    /// Cells that any laser ray touched.
-    pub observed: &'a [bool],
-}
 
 /// Cells counted by what the map and the reference say of them (Brandao et al., section IV-B).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -68,19 +56,39 @@ impl Counts {
         ratio(doubled, doubled + self.mistakes + self.missed())
     }
 
-    /// The same with the mistakes that the laser observed only: precision and F1.
-    pub fn observed_precision_and_f1(&self) -> (f64, f64) {
+    /// Precision of the cells that the laser observed: mistakes of which it knows nothing do not count.
+    pub fn precision_observed(&self) -> f64 {
+        ratio(self.hits, self.hits + self.mistakes_observed)
+    }
+
+    /// F1 with the mistakes that the laser observed only.
+    pub fn f1_observed(&self) -> f64 {
         let doubled = 2 * self.hits;
-        let f1 = ratio(doubled, doubled + self.mistakes_observed + self.missed());
-        (ratio(self.hits, self.hits + self.mistakes_observed), f1)
+        ratio(doubled, doubled + self.mistakes_observed + self.missed())
     }
 }
 
-/// Counts the cells of a map, given as log-odds by flat index (NaN = never touched).
-///
-/// # Panics
-/// Never; cells beyond the shorter of the slices are not counted.
-pub fn count(log_odds: &[f32], reference: &Reference<'_>) -> Counts {
+/// A map of voxels with its reference, and the counts that most metrics are made of.
+#[derive(Debug, Clone, Copy)]
+pub struct VoxelCase<'a> {
+    /// Log-odds of the map by flat index; NaN = never touched.
+    pub log_odds: &'a [f32],
+    /// The reference, on the same grid.
+    pub reference: &'a VoxelReference<'a>,
+    /// Cells counted by what map and reference say of them.
+    pub counts: Counts,
+}
+
+impl<'a> VoxelCase<'a> {
+    /// Counts the cells of a map, given as log-odds by flat index (NaN = never touched).
+    pub fn new(log_odds: &'a [f32], reference: &'a VoxelReference<'a>) -> Self {
+        Self { log_odds, reference, counts: count(log_odds, reference) }
+    }
+}
+
+/// Counts the cells of a map, given as log-odds by flat index (NaN = never touched). Cells beyond the
+/// shortest of the slices are not counted.
+pub fn count(log_odds: &[f32], reference: &VoxelReference<'_>) -> Counts {
     let cells = log_odds.par_chunks(CELLS_PER_TASK);
     let truth =
         reference.occupied.par_chunks(CELLS_PER_TASK).zip(reference.observed.par_chunks(CELLS_PER_TASK));

@@ -1,4 +1,4 @@
-use crate::{Reference, ratio};
+use crate::{VoxelReference, ratio};
 
 /// Thresholds of the curve: log-odds from -5 to 5 (P from 0.0067 to 0.9933) in steps of a tenth.
 const STEPS: usize = 100;
@@ -24,7 +24,7 @@ pub struct Curve {
 }
 
 /// The curve of a map given as log-odds by flat index.
-pub fn curve(log_odds: &[f32], reference: &Reference<'_>) -> Curve {
+pub fn curve(log_odds: &[f32], reference: &VoxelReference<'_>) -> Curve {
     let thresholds: [f32; STEPS + 1] = std::array::from_fn(|k| (STEPS as f32 / 2.0 - k as f32) / 10.0);
     let mut hits = [0; STEPS + 1];
     let mut mistakes = [0; STEPS + 1];
@@ -49,9 +49,10 @@ pub fn curve(log_odds: &[f32], reference: &Reference<'_>) -> Curve {
 }
 
 impl Curve {
-    /// Area under hits over mistakes, from no mistake to as many mistakes as there are true cells, divided by the
-    /// square of that number: 1 for a map that finds everything before its first mistake. The curve starts at
-    /// (0, 0), is straight between thresholds and level behind the last one. NaN without true cells.
+    /// Area under hits over mistakes, from no mistake to as many mistakes as there are true cells, divided by
+    /// the square of that number: 1 for a map that finds everything before its first mistake. The curve
+    /// starts at (0, 0), is straight between thresholds and level behind the last one. NaN without true
+    /// cells.
     pub fn area(&self) -> f64 {
         let end = self.true_cells as f64;
         let (mut area, mut m0, mut h0) = (0.0, 0.0, 0.0);

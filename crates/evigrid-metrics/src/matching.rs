@@ -1,6 +1,6 @@
 use evigrid_core::{CoreError, Disparity};
 
-/// How a disparity image compares with the true one, over the pixels whose true disparity is known.
+/// Errors of a disparity image against the true one, over the pixels whose true disparity is known.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MatchingScores {
     /// Pixels whose true disparity is known.
@@ -9,7 +9,7 @@ pub struct MatchingScores {
     pub matched: usize,
     /// Measurements that are off by more than the tolerance.
     pub wrong: usize,
-    /// Sum over the measurements of how far they are off, pixels.
+    /// Sum of the absolute errors of the measurements, pixels.
     pub off_px: f64,
 }
 
@@ -50,7 +50,7 @@ impl MatchingScores {
         }
     }
 
-    /// How far measurements are off on average, pixels; NaN without measurements.
+    /// Mean absolute error of the measurements, pixels; NaN without measurements.
     pub fn mean_error_px(&self) -> f64 {
         self.off_px / self.matched as f64
     }

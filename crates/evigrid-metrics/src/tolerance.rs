@@ -1,13 +1,13 @@
 use evigrid_grid::GridSpec;
 use rayon::prelude::*;
 
-use crate::{Reference, harmonic_mean, ratio};
+use crate::{VoxelReference, harmonic_mean, ratio};
 
 /// Cells per task: enough to hide the cost of starting it.
 const CELLS_PER_TASK: usize = 1 << 14;
 
-/// Scores that forgive a small distance, as Tanks and Temples (Knapitsch et al. 2017) does for points: much of what
-/// counts as a mistake lies one cell beside the truth.
+/// Scores that forgive a small distance, as Tanks and Temples (Knapitsch et al. 2017) does for points: much
+/// of what counts as a mistake lies one cell beside the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerant {
     /// Largest distance between the centres of a cell and its nearest counterpart, metres.
@@ -21,7 +21,7 @@ pub struct Tolerant {
 }
 
 /// Scores a map (log-odds by flat index) within a tolerance.
-pub fn within_tolerance(log_odds: &[f32], reference: &Reference<'_>, tolerance_m: f64) -> Tolerant {
+pub fn within_tolerance(log_odds: &[f32], reference: &VoxelReference<'_>, tolerance_m: f64) -> Tolerant {
     let ball = Ball::new(reference.spec, tolerance_m);
     let is_true = |cell: usize| reference.occupied[cell];
     let is_occupied = |cell: usize| log_odds[cell] > 0.0;

@@ -1,8 +1,8 @@
 //! Scores against brute force and against numbers worked out by hand.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-use evigrid_grid::{GridSettings, GridSpec};
-use evigrid_metrics::{Reference, count, curve, within_tolerance};
+use evigrid_grid::{GridSettings, GridSpec, LayerKind};
+use evigrid_metrics::{Score, Scores, VoxelReference, count, curve, within_tolerance};
 use proptest::prelude::*;
 
 fn spec() -> GridSpec {
@@ -10,11 +10,17 @@ fn spec() -> GridSpec {
     GridSpec::new(&settings).unwrap()
 }
 
+fn row_of(cells: usize) -> GridSpec {
+    let settings =
+        GridSettings { x_m: [0.0, 0.2 * cells as f64], y_m: [0.0, 0.2], z_m: [0.0, 0.2], cell_size_m: 0.2 };
+    GridSpec::new(&settings).unwrap()
+}
+
 /// A row of five cells: hit, mistake seen by the laser, mistake unseen, missed as free, missed unseen.
 #[test]
 fn counts_by_hand() {
     let map = [1.0, 0.1, 2.0, -1.0, f32::NAN, 0.0];
-    let reference = Reference {
+    let reference = VoxelReference {
         spec: &spec(),
         occupied: &[true, false, false, true, true, false],
         observed: &[true, true, false, true, true, true],
@@ -24,17 +30,17 @@ fn counts_by_hand() {
     assert_eq!((c.missed(), c.missed_free, c.missed_unknown, c.touched), (2, 1, 1, 5));
     assert!((c.precision() - 1.0 / 3.0).abs() < 1e-15 && (c.recall() - 1.0 / 3.0).abs() < 1e-15);
     assert!((c.f1() - 1.0 / 3.0).abs() < 1e-15);
-    let (precision, f1) = c.observed_precision_and_f1();
+    let (precision, f1) = (c.precision_observed(), c.f1_observed());
     assert!((precision - 0.5).abs() < 1e-15 && (f1 - 0.4).abs() < 1e-15);
 }
 
 #[test]
 fn an_empty_map_has_no_precision_but_an_f1_of_zero() {
-    let reference = Reference { spec: &spec(), occupied: &[true, false], observed: &[true, true] };
+    let reference = VoxelReference { spec: &spec(), occupied: &[true, false], observed: &[true, true] };
     let c = count(&[f32::NAN, -1.0], &reference);
     assert!(c.precision().is_nan());
     assert_eq!((c.recall(), c.f1()), (0.0, 0.0));
-    assert_eq!(c.observed_precision_and_f1().1, 0.0);
+    assert_eq!(c.f1_observed(), 0.0);
     let tolerant = within_tolerance(&[f32::NAN, -1.0], &reference, 0.0);
     assert!(tolerant.accuracy.is_nan());
     assert_eq!((tolerant.completeness, tolerant.f_score), (0.0, 0.0));
@@ -42,10 +48,11 @@ fn an_empty_map_has_no_precision_but_an_f1_of_zero() {
 
 #[test]
 fn the_curve_by_hand() {
-    // By falling threshold: hit at 3, mistake at 2, hit at 1; one true cell is never found, one mistake below -4.
+    // By falling threshold: hit at 3, mistake at 2, hit at 1; one true cell is never found, one mistake below
+    // -4.
     let map = [3.05, 2.05, 1.05, f32::NAN, -4.05];
     let occupied = [true, false, true, true, false];
-    let curve = curve(&map, &Reference { spec: &spec(), occupied: &occupied, observed: &[true; 5] });
+    let curve = curve(&map, &VoxelReference { spec: &spec(), occupied: &occupied, observed: &[true; 5] });
     let at = |threshold: f32| *curve.points.iter().find(|p| p.log_odds == threshold).unwrap();
     assert_eq!((at(4.0).hits, at(4.0).mistakes), (0, 0));
     assert_eq!((at(3.0).hits, at(3.0).mistakes), (1, 0));
@@ -62,7 +69,7 @@ fn the_curve_by_hand() {
 fn the_area_is_cut_where_mistakes_outnumber_the_truth() {
     // One true cell found at 2, together with four mistakes: the line to (4, 1) is cut at one mistake.
     let reference =
-        Reference { spec: &spec(), occupied: &[true, false, false, false, false], observed: &[true; 5] };
+        VoxelReference { spec: &spec(), occupied: &[true, false, false, false, false], observed: &[true; 5] };
     let curve = curve(&[2.05; 5], &reference);
     assert!((curve.area() - 0.5 * 0.25).abs() < 1e-12, "{}", curve.area());
 }
@@ -76,10 +83,13 @@ fn cells() -> impl Strategy<Value = (Vec<f32>, Vec<bool>)> {
 
 proptest! {
     #[test]
-    fn tolerance_equals_all_pairs((map, truth) in cells(), tolerance in prop_oneof![Just(0.2), Just(0.4), Just(0.35)]) {
+    fn tolerance_equals_all_pairs(
+        (map, truth) in cells(),
+        tolerance in prop_oneof![Just(0.2), Just(0.4), Just(0.35)],
+    ) {
         let spec = spec();
         let observed = vec![true; truth.len()];
-        let reference = Reference { spec: &spec, occupied: &truth, observed: &observed };
+        let reference = VoxelReference { spec: &spec, occupied: &truth, observed: &observed };
         let found = within_tolerance(&map, &reference, tolerance);
         let distance = |a: usize, b: usize| {
             let (a, b) = (spec.centre_m(a), spec.centre_m(b));
@@ -115,7 +125,7 @@ fn large_grids_equal_a_plain_loop() {
         .collect();
     let occupied: Vec<bool> = (0..n).map(|i| hash(i, 7) % 100 < 2).collect();
     let observed: Vec<bool> = (0..n).map(|i| hash(i, 9) % 2 == 0).collect();
-    let reference = Reference { spec: &spec, occupied: &occupied, observed: &observed };
+    let reference = VoxelReference { spec: &spec, occupied: &occupied, observed: &observed };
 
     let counts = count(&map, &reference);
     let number = |holds: &dyn Fn(usize) -> bool| (0..n).filter(|&i| holds(i)).count();
@@ -139,4 +149,71 @@ fn large_grids_equal_a_plain_loop() {
     let tolerant = within_tolerance(&map, &reference, 0.4);
     assert_eq!(tolerant.accuracy, near(&ours, &truths));
     assert_eq!(tolerant.completeness, near(&truths, &ours));
+}
+
+/// The columns that results of all versions have, in their order.
+#[test]
+fn columns_keep_their_names_and_order() {
+    let after_a_frame = "hits,mistakes,mistakes_observed,missed,precision,recall,f1,\
+        true_cells,observed_cells,missed_unknown,touched,precision_observed,f1_observed,\
+        accuracy_0.2m,completeness_0.2m,f_score_0.2m,accuracy_1m,completeness_1m,f_score_1m";
+    let columns = |at_end| Scores::columns(LayerKind::Voxels, &[0.2, 1.0], at_end).join(",");
+    assert_eq!(columns(false), after_a_frame);
+    assert_eq!(columns(true), format!("{after_a_frame},curve_area,average_precision"));
+}
+
+#[test]
+fn the_table_says_what_its_parts_say() {
+    let map = [1.0, 0.1, 2.0, -1.0, f32::NAN, 0.0];
+    let reference = VoxelReference {
+        spec: &row_of(6),
+        occupied: &[true, false, false, true, true, false],
+        observed: &[true, true, false, true, true, true],
+    };
+    let scores = Scores::voxels_at_end(&map, &reference, &[0.2]);
+    let columns: Vec<String> = scores.list.iter().map(Score::column).collect();
+    assert_eq!(columns, Scores::columns(LayerKind::Voxels, &[0.2], true));
+    let after_a_frame: Vec<String> =
+        Scores::voxels(&map, &reference, &[0.2]).list.iter().map(Score::column).collect();
+    assert_eq!(after_a_frame, Scores::columns(LayerKind::Voxels, &[0.2], false));
+    let (counts, tolerant) = (count(&map, &reference), within_tolerance(&map, &reference, 0.2));
+    let curve = curve(&map, &reference);
+    for (column, value) in [
+        ("hits", 1.0),
+        ("mistakes", 2.0),
+        ("mistakes_observed", 1.0),
+        ("missed", 2.0),
+        ("precision", counts.precision()),
+        ("recall", counts.recall()),
+        ("f1", counts.f1()),
+        ("true_cells", 3.0),
+        ("observed_cells", 5.0),
+        ("missed_unknown", 1.0),
+        ("touched", 5.0),
+        ("precision_observed", 0.5),
+        ("f1_observed", 0.4),
+        ("accuracy_0.2m", tolerant.accuracy),
+        ("completeness_0.2m", tolerant.completeness),
+        ("f_score_0.2m", tolerant.f_score),
+        ("curve_area", curve.area()),
+        ("average_precision", curve.average_precision()),
+    ] {
+        assert_eq!(scores.get(column), Some(value), "{column}");
+    }
+    assert_eq!(scores.get("f_score"), None, "a tolerant score has a distance");
+    assert_eq!(scores.main().unwrap().metric.name, "f1");
+    assert_eq!(scores.curve, Some(curve));
+}
+
+#[test]
+fn cells_and_headings() {
+    let reference = VoxelReference { spec: &row_of(2), occupied: &[true, false], observed: &[true, true] };
+    let scores = Scores::voxels_at_end(&[f32::NAN, -1.0], &reference, &[0.2]);
+    let cell = |column| scores.score(column).unwrap().cell();
+    assert_eq!(cell("hits"), "0");
+    assert_eq!(cell("recall"), "0.000000");
+    assert_eq!(cell("precision"), "", "0 / 0");
+    let score = scores.score("f_score_0.2m").unwrap();
+    assert_eq!((score.heading().unwrap(), score.shown()), ("F within 0.2 m".into(), "0.000".into()));
+    assert_eq!(scores.score("touched").unwrap().heading(), None);
 }

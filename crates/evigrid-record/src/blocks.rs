@@ -2,9 +2,10 @@ use std::ops::Range;
 
 use evigrid_grid::GridSpec;
 
-use crate::classes::{CellClass, Laser, classify};
+use crate::classes::{CellClass, TrueCells, classify};
 
-/// Cells of a block along x, y, z. Whole columns of most grids: what changes lies along the way of the camera.
+/// Cells of a block along x, y, z. Whole columns of most grids: what changes lies along the way of the
+/// camera.
 const BLOCK: [usize; 3] = [20, 64, 64];
 
 /// The voxels of one class in one block, after they have changed.
@@ -34,15 +35,19 @@ impl Blocks {
         Self { spec, numbers: vec![CellClass::Unknown as u8; spec.cell_count()], slab: Vec::new() }
     }
 
-    /// Takes the map (log-odds by flat index) as it is now. Returns what changed, block by block, and the cells along
-    /// x of the slabs in which any cell changed its class.
-    pub fn update(&mut self, log_odds: &[f32], laser: Option<Laser<'_>>) -> (Vec<Change>, Vec<Range<usize>>) {
+    /// Takes the map (log-odds by flat index) as it is now. Returns what changed, block by block, and the
+    /// cells along x of the slabs in which any cell changed its class.
+    pub fn update(
+        &mut self,
+        log_odds: &[f32],
+        truth: Option<TrueCells<'_>>,
+    ) -> (Vec<Change>, Vec<Range<usize>>) {
         let [nx, ny, nz] = self.spec.shape();
         let (mut changes, mut slabs) = (Vec::new(), Vec::new());
         for (bi, from) in (0..nx).step_by(BLOCK[0]).enumerate() {
             let is = from..(from + BLOCK[0]).min(nx);
             let cells = is.start * ny * nz..is.end * ny * nz;
-            classify(&log_odds[cells.clone()], laser.map(|l| l.part(cells.clone())), &mut self.slab);
+            classify(&log_odds[cells.clone()], truth.map(|t| t.part(cells.clone())), &mut self.slab);
             if self.slab == self.numbers[cells.clone()] {
                 continue;
             }
@@ -137,7 +142,7 @@ mod tests {
         map.iter().for_each(|c| log_odds[spec().flat(*c).unwrap()] = 1.0);
         laser.iter().for_each(|c| occupied[spec().flat(*c).unwrap()] = true);
         let observed = vec![true; spec().cell_count()];
-        blocks.update(&log_odds, Some(Laser { occupied: &occupied, observed: &observed }))
+        blocks.update(&log_odds, Some(TrueCells { occupied: &occupied, observed: &observed }))
     }
 
     fn change(block: [usize; 3], class: CellClass, voxels: &[[i32; 3]]) -> Change {

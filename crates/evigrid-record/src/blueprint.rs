@@ -1,5 +1,5 @@
-//! Writes a layout of the viewer. Done by hand, since the builder that comes with Rerun has neither the eye of a 3-D
-//! view nor the bounds of a 2-D view, and gives everything random names.
+//! Writes a layout of the viewer. Done by hand, since the builder that comes with Rerun has neither the eye
+//! of a 3-D view nor the bounds of a 2-D view, and gives everything random names.
 
 use std::io::Write;
 
@@ -21,21 +21,41 @@ pub(crate) enum Node {
     /// Parts beside, above or behind each other, with their shares of the space (tabs have none).
     Container { kind: ContainerKind, parts: Vec<(f32, Node)> },
     /// One view.
-    View(View),
+    View(Pane),
 }
 
-/// One view: what it shows and how.
-pub(crate) struct View {
+/// One view, with its contents and settings.
+pub(crate) struct Pane {
     /// Class of the view, as Rerun calls it: 3D, 2D, TimeSeries, TextDocument.
     pub class: &'static str,
     /// Title.
     pub title: String,
     /// The entity in whose frame things are shown.
     pub origin: String,
-    /// What is shown, as query expressions.
+    /// Entities that are shown, as query expressions.
     pub contents: Vec<String>,
     /// Settings of the view, by name.
     pub properties: Vec<(&'static str, Box<dyn AsComponents>)>,
+}
+
+impl Pane {
+    /// A view of everything below an entity, which is also its origin.
+    pub fn new(class: &'static str, title: impl Into<String>, origin: &str) -> Self {
+        Self {
+            class,
+            title: title.into(),
+            origin: format!("/{origin}"),
+            contents: vec!["+ $origin/**".into()],
+            properties: Vec::new(),
+        }
+    }
+
+    /// The view with one more setting.
+    #[must_use]
+    pub fn with(mut self, name: &'static str, property: impl AsComponents + 'static) -> Self {
+        self.properties.push((name, Box::new(property)));
+        self
+    }
 }
 
 impl Node {
@@ -97,8 +117,8 @@ impl<W: Write> BlueprintWriter<'_, W> {
         self.rrd.log(self.store, path, &at, what)
     }
 
-    /// Logs a node and all below it; returns its path and identifier. Identifiers differ between layouts, since a
-    /// viewer remembers what it knows of a view by its identifier.
+    /// Logs a node and all below it; returns its path and identifier. Identifiers differ between layouts,
+    /// since a viewer remembers what it knows of a view by its identifier.
     fn node(&mut self, node: &Node) -> Result<(String, Uuid)> {
         self.ids += 1;
         let id = Uuid::from_u128(u128::from(self.store.stem()) << 64 | self.ids);
@@ -133,7 +153,7 @@ impl<W: Write> BlueprintWriter<'_, W> {
         self.log(path, &container)
     }
 
-    fn view(&mut self, path: &str, view: &View) -> Result<()> {
+    fn view(&mut self, path: &str, view: &Pane) -> Result<()> {
         let contents = ViewContents::new(view.contents.iter().map(|q| QueryExpression(q.as_str().into())));
         self.log(&format!("{path}/ViewContents"), &contents)?;
         let blueprint = ViewBlueprint::new(view.class)

@@ -1,44 +1,43 @@
-use std::io::Write;
-
 use anyhow::{Context, Result};
-use evigrid_core::{Frame, GrayImage, Pose, StereoRig};
+use evigrid_core::{GrayImage, Pose, StereoRig};
+use evigrid_eval::Step;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use nalgebra::Quaternion;
 use rerun::components::MediaType;
-use rerun::{EncodedImage, Pinhole, TimePoint, Transform3D};
+use rerun::{EncodedImage, Pinhole, Transform3D};
 
-use crate::rrd::{Rrd, Store};
+use crate::blueprint::Pane;
+use crate::part::{Out, Part, Shown, Slot};
 
 /// The left camera in space.
 pub(crate) const CAMERA: &str = "world/left";
-/// What it sees.
-pub(crate) const IMAGE: &str = "world/left/image";
+/// The image that the left camera takes.
+const IMAGE: &str = "world/left/image";
 
-/// Writes where the left camera is, how it projects, and what it sees.
+/// Where the left camera is, how it projects, and the image that it takes.
 #[derive(Debug, Default)]
-pub(crate) struct CameraWriter {
+pub(crate) struct CameraPart {
     rig: Option<StereoRig>,
 }
 
-impl CameraWriter {
-    pub fn frame<W: Write>(
-        &mut self,
-        rrd: &mut Rrd<W>,
-        store: &mut Store,
-        at: &TimePoint,
-        frame: &Frame,
-    ) -> Result<()> {
-        rrd.log(store, CAMERA, at, &transform(frame.map_from_left()))?;
+impl Part for CameraPart {
+    fn frame(&mut self, out: &mut Out<'_>, step: &Step<'_>) -> Result<()> {
+        let frame = step.frame;
+        out.log(CAMERA, &transform(frame.map_from_left()))?;
         if self.rig.as_ref() != Some(frame.rig()) {
             self.rig = Some(*frame.rig());
-            rrd.log(store, IMAGE, at, &pinhole(frame.rig()))?;
+            out.log(IMAGE, &pinhole(frame.rig()))?;
         }
         let png = match frame.left_png() {
             Some(png) => png.to_vec(),
             None => encode_png(frame.left())?,
         };
-        rrd.log(store, IMAGE, at, &EncodedImage::new(png).with_media_type(MediaType::PNG))
+        out.log(IMAGE, &EncodedImage::new(png).with_media_type(MediaType::PNG))
+    }
+
+    fn panes(&self, _: &Shown) -> Vec<(Slot, Pane)> {
+        vec![(Slot::Image, Pane::new("2D", "left image", IMAGE))]
     }
 }
 

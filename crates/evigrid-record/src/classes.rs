@@ -1,24 +1,25 @@
 use std::ops::Range;
 
-use rerun::Color;
+use rerun::datatypes::{AnnotationInfo, ClassDescription, Rgba32};
+use rerun::{AnnotationContext, Color};
 
-/// What the map and the laser say of one cell together.
+/// A cell as map and truth see it together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub(crate) enum CellClass {
     /// Never touched by the map.
     Unknown,
-    /// Free in the map, and not occupied for the laser.
+    /// Free in the map, and not occupied in truth.
     Free,
-    /// Occupied in the map, and there is no laser to judge it.
+    /// Occupied in the map, and there is no truth to judge it.
     Occupied,
     /// Occupied in both.
     Hit,
-    /// Occupied in the map, free for the laser.
+    /// Occupied in the map, free in truth.
     Mistake,
-    /// Occupied in the map, never touched by a laser ray.
+    /// Occupied in the map, and the truth does not know.
     Unobserved,
-    /// Occupied for the laser alone.
+    /// Occupied in truth alone.
     Missed,
 }
 
@@ -46,8 +47,8 @@ impl CellClass {
     /// Name for people.
     pub fn label(self) -> &'static str {
         match self {
-            Unobserved => "mistake where the laser saw nothing",
-            Occupied => "occupied (no laser to judge it)",
+            Unobserved => "mistake where the truth is unknown",
+            Occupied => "occupied (no truth to judge it)",
             other => other.name(),
         }
     }
@@ -64,39 +65,61 @@ impl CellClass {
         }
     }
 
+    /// All classes with names and colours, for images of class numbers.
+    pub fn annotations() -> AnnotationContext {
+        AnnotationContext::new(Self::ALL.map(|class| {
+            let [r, g, b] = class.rgb();
+            ClassDescription::from(AnnotationInfo::from((
+                class as u16,
+                class.label(),
+                Rgba32::from_rgb(r, g, b),
+            )))
+        }))
+    }
+
     pub fn colour(self) -> Color {
         let [r, g, b] = self.rgb();
         Color::from_rgb(r, g, b)
     }
 }
 
-/// What the laser says of each cell, by flat index.
+/// The truth of each cell, by flat index.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Laser<'a> {
+pub(crate) struct TrueCells<'a> {
     /// Cells that were ever occupied.
     pub occupied: &'a [bool],
-    /// Cells that any ray touched.
+    /// Cells that the truth knows.
     pub observed: &'a [bool],
 }
 
-impl<'a> Laser<'a> {
-    /// The same for a range of cells.
+impl<'a> TrueCells<'a> {
+    /// The truth of a range of cells.
     pub fn part(&self, cells: Range<usize>) -> Self {
         Self { occupied: &self.occupied[cells.clone()], observed: &self.observed[cells] }
     }
 }
 
+/// The class of one cell: of a map given as log-odds (NaN = never touched), occupied and known in truth.
+pub(crate) fn class_of(log_odds: f32, occupied: bool, known: bool) -> CellClass {
+    WITH_TRUTH[4 * state(log_odds) + 2 * usize::from(occupied) + usize::from(known)]
+}
+
+/// The class of one cell without any truth.
+pub(crate) fn class_alone(log_odds: f32) -> CellClass {
+    NO_TRUTH[state(log_odds)]
+}
+
 /// The class numbers of cells of a map given as log-odds (NaN = never touched).
-pub(crate) fn classify(log_odds: &[f32], laser: Option<Laser<'_>>, numbers: &mut Vec<u8>) {
+pub(crate) fn classify(log_odds: &[f32], truth: Option<TrueCells<'_>>, numbers: &mut Vec<u8>) {
     numbers.clear();
-    let Some(laser) = laser else {
-        numbers.extend(log_odds.iter().map(|&l| NO_LASER[state(l)] as u8));
+    let Some(truth) = truth else {
+        numbers.extend(log_odds.iter().map(|&l| class_alone(l) as u8));
         return;
     };
-    let marks = laser.occupied.iter().zip(laser.observed);
-    numbers.extend(log_odds.iter().zip(marks).map(|(&l, (&occupied, &observed))| {
-        WITH_LASER[4 * state(l) + 2 * usize::from(occupied) + usize::from(observed)] as u8
-    }));
+    let marks = truth.occupied.iter().zip(truth.observed);
+    numbers.extend(
+        log_odds.iter().zip(marks).map(|(&l, (&occupied, &observed))| class_of(l, occupied, observed) as u8),
+    );
 }
 
 /// 0 for a cell that was never touched, 1 for a free one, 2 for an occupied one.
@@ -104,9 +127,9 @@ fn state(log_odds: f32) -> usize {
     usize::from(!log_odds.is_nan()) + usize::from(log_odds > 0.0)
 }
 
-const NO_LASER: [CellClass; 3] = [Unknown, Free, Occupied];
-/// By state, then occupied and observed for the laser.
-const WITH_LASER: [CellClass; 12] = [
+const NO_TRUTH: [CellClass; 3] = [Unknown, Free, Occupied];
+/// By state, then occupied and known in truth.
+const WITH_TRUTH: [CellClass; 12] = [
     Unknown, Unknown, Missed, Missed, //
     Free, Free, Missed, Missed, //
     Unobserved, Mistake, Hit, Hit,
@@ -135,7 +158,7 @@ mod tests {
         let log_odds = cells.map(|c| c.0);
         let (occupied, observed) = (cells.map(|c| c.1), cells.map(|c| c.2));
         let mut classes = Vec::new();
-        classify(&log_odds, Some(Laser { occupied: &occupied, observed: &observed }), &mut classes);
+        classify(&log_odds, Some(TrueCells { occupied: &occupied, observed: &observed }), &mut classes);
         assert_eq!(classes, cells.map(|c| c.3 as u8));
         classify(&log_odds, None, &mut classes);
         assert_eq!(classes, cells.map(|c| c.4 as u8));

@@ -1,21 +1,23 @@
 //! Hits against mistakes over the probability threshold, drawn by hand: the viewer has no plot of y over x.
 
-use std::io::Write;
-
 use anyhow::Result;
+use evigrid_grid::LayerKind;
 use evigrid_metrics::{Curve, CurvePoint};
+use evigrid_results::{MethodResult, RunResult};
 use rerun::components::Radius;
-use rerun::{Color, LineStrips2D, Points2D, TimePoint};
+use rerun::{Color, LineStrips2D, Points2D};
 
-use crate::rrd::{Rrd, Store};
+use crate::blueprint::Pane;
+use crate::layout::{bounds, dark};
+use crate::part::{Out, Part, Shown, Slot};
 use crate::series::shaded;
 use crate::ticks::{short, ticks};
 
 /// The plot.
-pub(crate) const CURVE: &str = "curve";
+const CURVE: &str = "curve";
 
 /// Size of the plot's box in scene units; y runs downwards in the viewer.
-pub(crate) const BOX: [f32; 2] = [160.0, 100.0];
+const BOX: [f32; 2] = [160.0, 100.0];
 
 const COLOURS: [[u8; 3]; 6] =
     [[79, 195, 247], [255, 183, 77], [174, 213, 129], [240, 98, 146], [186, 104, 200], [255, 241, 118]];
@@ -31,9 +33,9 @@ struct Scale {
 
 impl Scale {
     /// The top is the number of true cells; the right edge shows the map as it stands with some room.
-    fn of(curves: &[(&str, &Curve)]) -> Self {
-        let hits = curves.iter().map(|(_, c)| c.true_cells).max().unwrap_or(0).max(1) as f64;
-        let at_zero = curves.iter().filter_map(|(_, c)| at_threshold_zero(c)).map(|p| p.mistakes).max();
+    fn of(curves: &[NamedCurve<'_>]) -> Self {
+        let hits = curves.iter().map(|c| c.curve.true_cells).max().unwrap_or(0).max(1) as f64;
+        let at_zero = curves.iter().filter_map(|c| at_threshold_zero(c.curve)).map(|p| p.mistakes).max();
         Self { mistakes: hits.max(1.25 * at_zero.unwrap_or(0) as f64), hits }
     }
 
@@ -67,37 +69,59 @@ fn strip(curve: &Curve, scale: Scale) -> Vec<[f32; 2]> {
     strip
 }
 
-/// Draws the curves of all methods. Without any curve nothing is drawn.
-pub(crate) fn write_curves<W: Write>(
-    rrd: &mut Rrd<W>,
-    store: &mut Store,
-    curves: &[(&str, &Curve)],
-) -> Result<()> {
+/// The curve of one method.
+#[derive(Debug, Clone, Copy)]
+struct NamedCurve<'a> {
+    method: &'a str,
+    curve: &'a Curve,
+}
+
+impl<'a> NamedCurve<'a> {
+    /// `None` for a method whose voxels were not scored.
+    fn of(result: &'a MethodResult) -> Option<Self> {
+        let curve = result.scores_of(LayerKind::Voxels)?.curve.as_ref()?;
+        Some(Self { method: &result.method, curve })
+    }
+}
+
+/// The curves of all methods; without any curve nothing is drawn.
+pub(crate) struct CurvePart;
+
+impl Part for CurvePart {
+    fn end(&mut self, out: &mut Out<'_>, result: &RunResult) -> Result<()> {
+        let curves: Vec<_> = result.methods.iter().filter_map(NamedCurve::of).collect();
+        write_curves(out, &curves)
+    }
+
+    fn panes(&self, shown: &Shown) -> Vec<(Slot, Pane)> {
+        let [width, height] = BOX.map(f64::from);
+        let area = bounds([-18.0, width + 12.0], [-12.0, height + 14.0]);
+        let pane = Pane::new("2D", "hits against mistakes over the threshold", CURVE)
+            .with("VisualBounds2D", area)
+            .with("Background", dark());
+        if shown.scored { vec![(Slot::Curve, pane)] } else { Vec::new() }
+    }
+}
+
+fn write_curves(out: &mut Out<'_>, curves: &[NamedCurve<'_>]) -> Result<()> {
     if curves.is_empty() {
         return Ok(());
     }
     let scale = Scale::of(curves);
-    write_axes(rrd, store, scale)?;
-    for (i, (method, curve)) in curves.iter().enumerate() {
-        let colour = shaded(COLOURS[i % COLOURS.len()], 1.0);
-        write_curve(rrd, store, scale, (method, curve), colour)?;
+    write_axes(out, scale)?;
+    for (curve, colour) in curves.iter().zip(COLOURS.into_iter().cycle()) {
+        write_curve(out, scale, curve, shaded(colour, 1.0))?;
     }
     Ok(())
 }
 
-fn write_curve<W: Write>(
-    rrd: &mut Rrd<W>,
-    store: &mut Store,
-    scale: Scale,
-    (method, curve): (&str, &Curve),
-    colour: Color,
-) -> Result<()> {
-    let always = TimePoint::default();
+fn write_curve(out: &mut Out<'_>, scale: Scale, named: &NamedCurve<'_>, colour: Color) -> Result<()> {
+    let NamedCurve { method, curve } = named;
     let line = LineStrips2D::new([strip(curve, scale)])
         .with_colors([colour])
         .with_radii([Radius::new_ui_points(1.5)])
         .with_draw_order(2.0);
-    rrd.log(store, format!("{CURVE}/{method}"), &always, &line)?;
+    out.always(format!("{CURVE}/{method}"), &line)?;
     let Some(point) = at_threshold_zero(curve) else { return Ok(()) };
     let label = format!("{method}: {} hits, {} mistakes", point.hits, point.mistakes);
     let mark = Points2D::new([scale.place(point.mistakes as f64, point.hits as f64)])
@@ -105,7 +129,7 @@ fn write_curve<W: Write>(
         .with_radii([Radius::new_ui_points(5.0)])
         .with_labels([label])
         .with_draw_order(3.0);
-    rrd.log(store, format!("{CURVE}/{method}/as_scored"), &always, &mark)
+    out.always(format!("{CURVE}/{method}/as_scored"), &mark)
 }
 
 /// A line across the box at a round number.
@@ -130,15 +154,25 @@ fn grid_lines(scale: Scale) -> Vec<GridLine> {
     upright.chain(level).collect()
 }
 
-fn write_axes<W: Write>(rrd: &mut Rrd<W>, store: &mut Store, scale: Scale) -> Result<()> {
+/// How a line of the axes looks.
+#[derive(Debug, Clone, Copy)]
+struct Pen {
+    /// Brightness, 0 to 255.
+    grey: u8,
+    /// Half the width, points on the screen.
+    radius: f32,
+}
+
+fn write_axes(out: &mut Out<'_>, scale: Scale) -> Result<()> {
     let [width, height] = BOX;
     let grid = grid_lines(scale);
     let equal = scale.mistakes.min(scale.hits);
     let frame = vec![[0.0, 0.0], [0.0, height], [width, height]];
     let half = vec![scale.place(0.0, 0.0), scale.place(equal, equal)];
-    write_lines(rrd, store, "grid", grid.iter().map(|g| g.line.to_vec()).collect(), (62, 0.5))?;
-    write_lines(rrd, store, "as_many_mistakes_as_hits", vec![half], (98, 0.5))?;
-    write_lines(rrd, store, "axes", vec![frame], (160, 0.8))?;
+    let lines = grid.iter().map(|g| g.line.to_vec()).collect();
+    write_lines(out, "grid", lines, Pen { grey: 62, radius: 0.5 })?;
+    write_lines(out, "as_many_mistakes_as_hits", vec![half], Pen { grey: 98, radius: 0.5 })?;
+    write_lines(out, "axes", vec![frame], Pen { grey: 160, radius: 0.8 })?;
     let titles = [
         ([width + 3.0, height + 3.0], "mistakes".to_owned()),
         ([0.0, -11.0], "hits".to_owned()),
@@ -151,21 +185,14 @@ fn write_axes<W: Write>(rrd: &mut Rrd<W>, store: &mut Store, scale: Scale) -> Re
         .with_show_labels(true)
         .with_colors([Color::from_rgb(190, 190, 190)])
         .with_radii([Radius::new_ui_points(0.0)]);
-    rrd.log(store, format!("{CURVE}/labels"), &TimePoint::default(), &texts)
+    out.always(format!("{CURVE}/labels"), &texts)
 }
 
-/// Grey lines of the given brightness and half width (points on the screen).
-fn write_lines<W: Write>(
-    rrd: &mut Rrd<W>,
-    store: &mut Store,
-    name: &str,
-    lines: Vec<Vec<[f32; 2]>>,
-    (grey, radius): (u8, f32),
-) -> Result<()> {
+fn write_lines(out: &mut Out<'_>, name: &str, lines: Vec<Vec<[f32; 2]>>, pen: Pen) -> Result<()> {
     let lines = LineStrips2D::new(lines)
-        .with_colors([Color::from_rgb(grey, grey, grey)])
-        .with_radii([Radius::new_ui_points(radius)]);
-    rrd.log(store, format!("{CURVE}/{name}"), &TimePoint::default(), &lines)
+        .with_colors([Color::from_rgb(pen.grey, pen.grey, pen.grey)])
+        .with_radii([Radius::new_ui_points(pen.radius)]);
+    out.always(format!("{CURVE}/{name}"), &lines)
 }
 
 #[cfg(test)]
@@ -181,7 +208,7 @@ mod tests {
     #[test]
     fn the_curve_rises_from_the_lower_left_and_ends_at_the_edge() {
         let curve = curve();
-        let scale = Scale::of(&[("m", &curve)]);
+        let scale = Scale::of(&[NamedCurve { method: "m", curve: &curve }]);
         assert_eq!((scale.mistakes, scale.hits), (100.0, 100.0));
         // (0, 0), (0, 10), (50, 40), and half-way to (150, 60).
         let strip = strip(&curve, scale).into_iter().map(|p| p.map(f32::round));
@@ -193,13 +220,13 @@ mod tests {
     fn a_map_with_many_mistakes_still_shows_its_own_point() {
         let mut curve = curve();
         curve.points[1].mistakes = 120;
-        assert_eq!(Scale::of(&[("m", &curve)]).mistakes, 150.0);
+        assert_eq!(Scale::of(&[NamedCurve { method: "m", curve: &curve }]).mistakes, 150.0);
     }
 
     #[test]
     fn an_empty_reference_does_no_harm() {
         let empty = Curve { points: Vec::new(), true_cells: 0 };
-        let scale = Scale::of(&[("m", &empty)]);
+        let scale = Scale::of(&[NamedCurve { method: "m", curve: &empty }]);
         assert_eq!(strip(&empty, scale), [[0.0, 100.0]]);
         assert!(grid_lines(scale).iter().flat_map(|g| g.line).flatten().all(f32::is_finite));
     }

@@ -1,38 +1,33 @@
-use std::io::Write;
-
 use anyhow::Result;
 use evigrid_core::Matches;
-use evigrid_eval::turbo;
+use evigrid_eval::{Step, turbo};
 use rerun::components::ImageFormat;
 use rerun::datatypes::{AnnotationInfo, ClassDescription, Rgba32};
-use rerun::{AnnotationContext, ChannelDatatype, SegmentationImage, TimePoint};
+use rerun::{AnnotationContext, ChannelDatatype, SegmentationImage};
 
-use crate::rrd::{Rrd, Store};
+use crate::blueprint::Pane;
+use crate::part::{Out, Part, Shown, Slot, Start};
 
 /// The disparity as a picture.
-pub(crate) const DISPARITY: &str = "disparity";
+const DISPARITY: &str = "disparity";
 
 /// Colours from far to near, one per number of the picture; number 0 is no disparity.
 const LEVELS: u8 = 255;
 /// Matches whose winner in the right image points elsewhere by more than this are left out of the picture.
 const CONSISTENT_PX: u16 = 1;
 
-/// Draws disparities at half the size of the image, in colours from blue (far) to red (near), black where nothing was
-/// matched. Written as an image of labels: that costs no encoding, and the viewer names the disparity of a pixel.
+/// Disparities at half the size of the image, in colours from blue (far) to red (near), black where nothing
+/// was matched. Written as an image of labels: that costs no encoding, and the viewer names the disparity of
+/// a pixel.
 #[derive(Debug)]
-pub(crate) struct DisparityWriter {
+pub(crate) struct DisparityPart {
     /// The disparity that is shown as nearest, pixels.
     nearest_px: f32,
 }
 
-impl DisparityWriter {
-    /// `nearest_px` is the largest disparity that can occur.
-    pub fn new(nearest_px: f32) -> Self {
-        Self { nearest_px: nearest_px.max(1.0) }
-    }
-
+impl Part for DisparityPart {
     /// Colours and names of the levels.
-    pub fn begin<W: Write>(&self, rrd: &mut Rrd<W>, store: &mut Store) -> Result<()> {
+    fn begin(&mut self, out: &mut Out<'_>) -> Result<()> {
         let nothing = (0, "no consistent match", Rgba32::from_rgb(0, 0, 0));
         let levels = (1..=LEVELS).map(|level| {
             let share = f32::from(level - 1) / f32::from(LEVELS - 1);
@@ -41,22 +36,34 @@ impl DisparityWriter {
             AnnotationInfo::from((u16::from(level), name.as_str(), Rgba32::from_rgb(r, g, b)))
         });
         let levels = std::iter::once(AnnotationInfo::from(nothing)).chain(levels).map(ClassDescription::from);
-        rrd.log(store, DISPARITY, &TimePoint::default(), &AnnotationContext::new(levels))
+        out.always(DISPARITY, &AnnotationContext::new(levels))
     }
 
-    pub fn frame<W: Write>(
-        &self,
-        rrd: &mut Rrd<W>,
-        store: &mut Store,
-        at: &TimePoint,
-        matches: &Matches,
-    ) -> Result<()> {
-        let (size, levels) = self.draw(matches);
+    fn frame(&mut self, out: &mut Out<'_>, step: &Step<'_>) -> Result<()> {
+        let Some(matching) = step.matching else { return Ok(()) };
+        let (size, levels) = self.draw(&matching.matches);
         let format = ImageFormat::segmentation(size, ChannelDatatype::U8);
-        rrd.log(store, DISPARITY, at, &SegmentationImage::new(levels, format))
+        out.log(DISPARITY, &SegmentationImage::new(levels, format))
     }
 
-    /// Width and height, and the level of each pixel: that of the first match of the 2 x 2 pixels it stands for.
+    fn panes(&self, _: &Shown) -> Vec<(Slot, Pane)> {
+        vec![(Slot::Image, Pane::new("2D", "disparity: blue far, red near", DISPARITY))]
+    }
+}
+
+impl DisparityPart {
+    pub fn new(start: Start<'_>) -> Self {
+        let stereo = &start.config.stereo;
+        Self::up_to((stereo.min_disparity + stereo.disparities) as f32)
+    }
+
+    /// `nearest_px` is the largest disparity that can occur.
+    fn up_to(nearest_px: f32) -> Self {
+        Self { nearest_px: nearest_px.max(1.0) }
+    }
+
+    /// Width and height, and the level of each pixel: that of the first match of the 2 x 2 pixels it stands
+    /// for.
     fn draw(&self, matches: &Matches) -> ([u32; 2], Vec<u8>) {
         let disparity = &matches.disparity;
         let full = disparity.width();
@@ -94,7 +101,7 @@ mod tests {
         let nan = f32::NAN;
         let values = vec![nan, nan, 64.0, nan, 0.0, nan, nan, nan, nan];
         let mut matches = Matches::from_disparity(Disparity::new(3, 3, values).unwrap());
-        let writer = DisparityWriter::new(64.0);
+        let writer = DisparityPart::up_to(64.0);
         assert_eq!(writer.draw(&matches), ([2, 2], vec![1, LEVELS, 0, 0]));
         matches.left_right_difference_px[2] = 2;
         assert_eq!(writer.draw(&matches).1, [1, 0, 0, 0]);
@@ -102,7 +109,7 @@ mod tests {
 
     #[test]
     fn near_has_a_higher_level_than_far() {
-        let writer = DisparityWriter::new(64.0);
+        let writer = DisparityPart::up_to(64.0);
         assert!(writer.level(1.0) < writer.level(2.0) && writer.level(999.0) == LEVELS);
     }
 }

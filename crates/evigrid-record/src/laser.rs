@@ -1,12 +1,11 @@
-use std::io::Write;
-
 use anyhow::Result;
 use evigrid_core::LaserScan;
+use evigrid_eval::Step;
 use rerun::components::Radius;
-use rerun::{Color, Points3D, TimePoint};
+use rerun::{Color, Points3D};
 
 use crate::camera::transform;
-use crate::rrd::{Rrd, Store};
+use crate::part::{Out, Part};
 
 /// The latest laser scan.
 pub(crate) const LASER: &str = "world/laser";
@@ -14,25 +13,24 @@ pub(crate) const LASER: &str = "world/laser";
 /// Points of a scan that are kept: enough to see what is there, few enough to keep the file small.
 const KEPT_POINTS: usize = 6000;
 
-/// Writes a thinned scan, in the laser's own frame below its pose; a frame without a scan shows none.
-pub(crate) fn write_scan<W: Write>(
-    rrd: &mut Rrd<W>,
-    store: &mut Store,
-    at: &TimePoint,
-    scan: Option<&LaserScan>,
-) -> Result<()> {
-    if let Some(scan) = scan {
-        rrd.log(store, LASER, at, &transform(scan.map_from_laser()))?;
-    }
-    rrd.log(store, LASER, at, &Points3D::update_fields().with_positions(thin(scan)))
-}
+/// A thinned scan, in the laser's own frame below its pose; a frame without a scan shows none.
+pub(crate) struct LaserPart;
 
-/// What holds at all times: small grey points.
-pub(crate) fn begin<W: Write>(rrd: &mut Rrd<W>, store: &mut Store) -> Result<()> {
-    let look = Points3D::update_fields()
-        .with_colors([Color::from_rgb(104, 110, 122)])
-        .with_radii([Radius::new_ui_points(0.9)]);
-    rrd.log(store, LASER, &TimePoint::default(), &look)
+impl Part for LaserPart {
+    fn begin(&mut self, out: &mut Out<'_>) -> Result<()> {
+        let look = Points3D::update_fields()
+            .with_colors([Color::from_rgb(104, 110, 122)])
+            .with_radii([Radius::new_ui_points(0.9)]);
+        out.always(LASER, &look)
+    }
+
+    fn frame(&mut self, out: &mut Out<'_>, step: &Step<'_>) -> Result<()> {
+        let scan = step.frame.laser();
+        if let Some(scan) = scan {
+            out.log(LASER, &transform(scan.map_from_laser()))?;
+        }
+        out.log(LASER, &Points3D::update_fields().with_positions(thin(scan)))
+    }
 }
 
 fn thin(scan: Option<&LaserScan>) -> Vec<[f32; 3]> {

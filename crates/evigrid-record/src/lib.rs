@@ -1,5 +1,8 @@
-//! The Rerun recording of a run: the camera, the map coloured by what the laser says of each cell, the scores, and a
-//! layout that shows them at once. The only crate that names rerun.
+//! The Rerun recording of a run: the camera, maps coloured by their truth, the scores, and a layout that
+//! shows them at once. The only crate that names rerun.
+//!
+//! A recording is a list of parts (`parts.rs`). A part writes its entities and names its views; `layout.rs`
+//! arranges the views of all parts.
 
 mod blocks;
 mod blueprint;
@@ -10,9 +13,14 @@ mod disparity_image;
 mod laser;
 mod layout;
 mod map;
+mod part;
+mod parts;
+mod plan;
 mod recorder;
 mod rrd;
+mod safety;
 mod series;
+mod summary;
 mod ticks;
 mod top_view;
 mod trajectory;

@@ -1,30 +1,38 @@
 use std::collections::BTreeSet;
-use std::io::Write;
 
 use anyhow::Result;
-use evigrid_grid::{GridSpec, LogOddsGrid};
+use evigrid_eval::Step;
+use evigrid_grid::{GridSpec, Layer};
+use rerun::blueprint::components::Eye3DKind;
 use rerun::components::ImageFormat;
-use rerun::datatypes::{AnnotationInfo, ClassDescription};
-use rerun::{AnnotationContext, SegmentationImage, TimePoint, Transform3D, VoxelGridMap};
+use rerun::external::re_sdk_types::blueprint::archetypes::{EyeControls3D, LineGrid3D};
+use rerun::{SegmentationImage, Transform3D, VoxelGridMap};
 
 use crate::blocks::{Blocks, Change};
-use crate::classes::{CellClass, Laser};
-use crate::rrd::{Rrd, Store};
+use crate::blueprint::Pane;
+use crate::camera::CAMERA;
+use crate::classes::{CellClass, TrueCells};
+use crate::laser::LASER;
+use crate::layout::{bounds, dark};
+use crate::part::{Out, Part, Shown, Slot, Start};
 use crate::top_view::TopView;
+use crate::trajectory::TRAJECTORY;
 
 /// The map of one method in space, below the grid's corner.
-pub(crate) fn map_path(method: &str) -> String {
+fn map_path(method: &str) -> String {
     format!("world/map/{method}")
 }
 
 /// The map of one method from above.
-pub(crate) fn top_view_path(method: &str) -> String {
+fn top_view_path(method: &str) -> String {
     format!("top_view/{method}")
 }
 
-/// Writes the map of one method: its voxels, block by block as they change, and its view from above.
+/// The voxels of one method, block by block as they change, and their view from above.
 #[derive(Debug)]
-pub(crate) struct MapWriter {
+pub(crate) struct MapPart {
+    number: usize,
+    method: String,
     spec: GridSpec,
     blocks: Blocks,
     top_view: TopView,
@@ -32,36 +40,21 @@ pub(crate) struct MapWriter {
     known: BTreeSet<([usize; 3], CellClass)>,
 }
 
-impl MapWriter {
-    pub fn new(spec: GridSpec) -> Self {
-        Self { spec, blocks: Blocks::new(spec), top_view: TopView::new(&spec), known: BTreeSet::new() }
-    }
-
-    /// What holds at all times.
-    pub fn begin<W: Write>(&self, rrd: &mut Rrd<W>, store: &mut Store, method: &str) -> Result<()> {
-        let always = TimePoint::default();
+impl Part for MapPart {
+    fn begin(&mut self, out: &mut Out<'_>) -> Result<()> {
         let corner = self.spec.origin_m().map(|v| v as f32);
-        rrd.log(store, map_path(method), &always, &Transform3D::from_translation(corner))?;
-        let classes = CellClass::ALL.map(|class| {
-            let [r, g, b] = class.rgb();
-            let colour = rerun::datatypes::Rgba32::from_rgb(r, g, b);
-            ClassDescription::from(AnnotationInfo::from((class as u16, class.label(), colour)))
-        });
-        rrd.log(store, top_view_path(method), &always, &AnnotationContext::new(classes))
+        out.always(map_path(&self.method), &Transform3D::from_translation(corner))?;
+        out.always(top_view_path(&self.method), &CellClass::annotations())
     }
 
-    /// The map after one frame.
-    pub fn frame<W: Write>(
-        &mut self,
-        rrd: &mut Rrd<W>,
-        store: &mut Store,
-        at: &TimePoint,
-        (method, map): (&str, &LogOddsGrid),
-        laser: Option<Laser<'_>>,
-    ) -> Result<()> {
-        let (changes, slabs) = self.blocks.update(map.values(), laser);
+    fn frame(&mut self, out: &mut Out<'_>, step: &Step<'_>) -> Result<()> {
+        let voxels = step.methods[self.number].layers.iter().find_map(Layer::voxels);
+        let Some(map) = voxels else { return Ok(()) };
+        let truth = step.truth.voxels();
+        let truth = truth.map(|t| TrueCells { occupied: t.occupied, observed: t.observed });
+        let (changes, slabs) = self.blocks.update(map.values(), truth);
         for change in changes {
-            self.write_block(rrd, store, at, method, change)?;
+            self.write_block(out, change)?;
         }
         if slabs.is_empty() {
             return Ok(());
@@ -71,32 +64,76 @@ impl MapWriter {
         }
         let format = ImageFormat::segmentation(self.top_view.size(), rerun::ChannelDatatype::U8);
         let image = SegmentationImage::new(self.top_view.pixels().to_vec(), format);
-        rrd.log(store, top_view_path(method), at, &image)
+        out.log(top_view_path(&self.method), &image)
     }
 
-    fn write_block<W: Write>(
-        &mut self,
-        rrd: &mut Rrd<W>,
-        store: &mut Store,
-        at: &TimePoint,
-        method: &str,
-        change: Change,
-    ) -> Result<()> {
+    fn extent_x(&self) -> Option<(usize, usize)> {
+        self.occupied_along_x()
+    }
+
+    fn panes(&self, shown: &Shown) -> Vec<(Slot, Pane)> {
+        vec![(Slot::Space, self.in_space(shown)), (Slot::Above, self.pane_from_above(shown))]
+    }
+}
+
+impl MapPart {
+    pub fn new(start: Start<'_>, number: usize) -> Self {
+        let (spec, method) = (start.info.spec, start.info.methods[number].name.clone());
+        let (blocks, top_view) = (Blocks::new(spec), TopView::new(&spec));
+        Self { number, method, spec, blocks, top_view, known: BTreeSet::new() }
+    }
+
+    /// The map in space, seen from behind and above the first camera.
+    fn in_space(&self, shown: &Shown) -> Pane {
+        let ([x0, y0, _], c) = (self.spec.origin_m(), self.spec.cell_size_m());
+        let along_x = |cells: usize| (x0 + cells as f64 * c) as f32;
+        let (from, to) = (along_x(shown.extent_x.0), along_x(shown.extent_x.1 + 1));
+        let y = (y0 + self.spec.shape()[1] as f64 * c / 2.0) as f32;
+        let length = to - from;
+        let eye = EyeControls3D::new()
+            .with_kind(Eye3DKind::Orbital)
+            .with_position([from - 0.08 * length, y - 0.26 * length, 0.30 * length])
+            .with_look_target([from + 0.38 * length, y, 0.0])
+            .with_eye_up([0.0, 0.0, 1.0]);
+        let colours = if shown.scored {
+            "green = right, red = wrong, orange = the truth is unknown there, violet = missed"
+        } else {
+            "occupied cells"
+        };
+        let paths = [map_path(&self.method), TRAJECTORY.into(), LASER.into(), CAMERA.into()];
+        let pane = Pane::new("3D", format!("{}: {colours}", self.method), "world")
+            .with("EyeControls3D", eye)
+            .with("Background", dark())
+            .with("LineGrid3D", LineGrid3D::new().with_visible(false));
+        Pane { contents: paths.map(|path| format!("+ /{path}/**")).to_vec(), ..pane }
+    }
+
+    /// The map from above, cut to the part that is occupied.
+    fn pane_from_above(&self, shown: &Shown) -> Pane {
+        let (first, last) = shown.extent_x;
+        let area = bounds([first as f64, (last + 1) as f64], [0.0, self.spec.shape()[1] as f64]);
+        let title = format!("{} from above: forward is to the right", self.method);
+        Pane::new("2D", title, &top_view_path(&self.method))
+            .with("VisualBounds2D", area)
+            .with("Background", dark())
+    }
+
+    fn write_block(&mut self, out: &mut Out<'_>, change: Change) -> Result<()> {
         let Change { block: [i, j, k], class, voxels } = change;
-        let path = format!("{}/{}/block_{i}_{j}_{k}", map_path(method), class.name());
+        let path = format!("{}/{}/block_{i}_{j}_{k}", map_path(&self.method), class.name());
         if self.known.insert(([i, j, k], class)) {
             let size = [self.spec.cell_size_m() as f32; 3];
             let mut look = VoxelGridMap::update_fields().with_voxel_size(size).with_colors([class.colour()]);
             if class == CellClass::Missed {
                 look = look.with_opacity(0.5);
             }
-            rrd.log(store, path.as_str(), &TimePoint::default(), &look)?;
+            out.always(path.as_str(), &look)?;
         }
-        rrd.log(store, path, at, &VoxelGridMap::update_fields().with_voxel_indices(voxels))
+        out.log(path, &VoxelGridMap::update_fields().with_voxel_indices(voxels))
     }
 
     /// The cells along x where the map is occupied, first and last; `None` if there are none.
-    pub fn extent_x(&self) -> Option<(usize, usize)> {
+    fn occupied_along_x(&self) -> Option<(usize, usize)> {
         use CellClass::{Hit, Mistake, Occupied, Unobserved};
         let [_, ny, nz] = self.spec.shape();
         let occupied = |&n: &u8| [Hit, Mistake, Occupied, Unobserved].iter().any(|&c| c as u8 == n);

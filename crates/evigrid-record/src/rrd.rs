@@ -1,14 +1,14 @@
-//! A .rrd file that is written by us: what is logged is encoded on the spot, so that a failed write is an error of the
-//! call that made it, no data is left in memory, and equal runs give equal messages.
+//! A .rrd file that is written by us: every call is encoded on the spot, so that a failed write is an error
+//! of the call that made it, no data is left in memory, and equal runs give equal messages.
 //!
-//! The file ends with an index of its rows, without which `rerun rrd verify` calls it incomplete. The encoder keeps
-//! that index until the end (some 160 bytes a row) and writes its parts in random order.
+//! The file ends with an index of its rows, without which `rerun rrd verify` calls it incomplete. The encoder
+//! keeps that index until the end (some 160 bytes a row) and writes its parts in random order.
 
 use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use evigrid_eval::{PendingFile, SealedFile};
+use evigrid_results::{PendingFile, SealedFile};
 use rerun::external::re_build_info::CrateVersion;
 use rerun::external::re_log_encoding::{Encoder, EncodingOptions};
 use rerun::external::re_log_types::{BlueprintActivationCommand, SetStoreInfo, StoreInfo, StoreSource};
@@ -36,7 +36,7 @@ impl Store {
         Self { id, stem: (seed >> 2) ^ u64::from(kind == StoreKind::Blueprint), given_out: 0 }
     }
 
-    /// What the identifiers of this store have in common, and those of other stores have not.
+    /// The part of the identifiers that all of this store share and those of other stores do not.
     pub fn stem(&self) -> u64 {
         self.stem
     }
@@ -51,7 +51,7 @@ impl Store {
 pub(crate) struct Rrd<W: Write> {
     /// Taken when the stream ends or is given up.
     encoder: Option<Encoder<W>>,
-    /// What a failure is to be called.
+    /// The message of a failure.
     failed: String,
 }
 

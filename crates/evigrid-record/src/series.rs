@@ -1,52 +1,117 @@
-use std::io::Write;
-
 use anyhow::Result;
-use evigrid_eval::Scores;
-use rerun::{Color, Scalars, SeriesLines, TimePoint};
+use evigrid_eval::Step;
+use evigrid_grid::LayerKind;
+use evigrid_metrics::{Kind, Metric, Score, Scores, metric_of};
+use evigrid_results::RunInfo;
+use rerun::blueprint::components::Corner2D;
+use rerun::components::Range1D;
+use rerun::external::re_sdk_types::blueprint::archetypes::{PlotLegend, ScalarAxis};
+use rerun::{Color, Scalars, SeriesLines};
 
+use crate::blueprint::Pane;
 use crate::classes::CellClass;
-use crate::rrd::{Rrd, Store};
+use crate::part::{Out, Part, Shown, Slot, Start};
 
-/// Precision, recall and F1 of each method over the frames.
-pub(crate) const RATES: &str = "rates";
-/// Hits, mistakes and missed cells of each method over the frames.
-pub(crate) const COUNTS: &str = "counts";
+/// Rates of each method over the frames.
+const RATES: &str = "rates";
+/// Counts of each method over the frames.
+const COUNTS: &str = "counts";
 
-/// Names and colours of the lines. `label` tells methods apart, and is empty if there is one alone; `shade` is 1 for
-/// the first method and less for later ones.
-pub(crate) fn begin<W: Write>(
-    rrd: &mut Rrd<W>,
-    store: &mut Store,
-    method: &str,
-    label: &str,
-    shade: f32,
-) -> Result<()> {
-    let named = |names: [&str; 3]| names.map(|n| format!("{label} {n}").trim().to_owned());
-    let f1 = [235, 235, 235];
-    let [hit, mistake, missed] = [CellClass::Hit, CellClass::Mistake, CellClass::Missed].map(CellClass::rgb);
-    for (group, names, colours) in [
-        (RATES, ["precision", "recall", "F1"], [mistake, missed, f1]),
-        (COUNTS, ["hits", "mistakes", "missed"], [hit, mistake, missed]),
-    ] {
-        let colours = colours.map(|c| shaded(c, shade));
-        let lines = SeriesLines::new().with_names(named(names)).with_colors(colours).with_widths([2.0; 3]);
-        rrd.log(store, format!("{group}/{method}"), &TimePoint::default(), &lines)?;
-    }
-    Ok(())
+/// Colours of metrics that are shown elsewhere too; all others take the next of the palette.
+const KNOWN: [(&str, CellClass); 5] = [
+    ("precision", CellClass::Mistake),
+    ("recall", CellClass::Missed),
+    ("hits", CellClass::Hit),
+    ("mistakes", CellClass::Mistake),
+    ("missed", CellClass::Missed),
+];
+const PALETTE: [[u8; 3]; 6] =
+    [[235, 235, 235], [79, 195, 247], [255, 183, 77], [174, 213, 129], [240, 98, 146], [186, 104, 200]];
+
+/// The scores of all methods over the frames: every metric that is shown in the summary too.
+pub(crate) struct SeriesPart {
+    info: RunInfo,
 }
 
-pub(crate) fn frame<W: Write>(
-    rrd: &mut Rrd<W>,
-    store: &mut Store,
-    at: &TimePoint,
-    method: &str,
-    scores: &Scores,
-) -> Result<()> {
-    let c = &scores.counts;
-    let rates = Scalars::new([c.precision(), c.recall(), c.f1()]);
-    rrd.log(store, format!("{RATES}/{method}"), at, &rates)?;
-    let counts = Scalars::new([c.hits, c.mistakes, c.missed()].map(|n| n as f64));
-    rrd.log(store, format!("{COUNTS}/{method}"), at, &counts)
+impl SeriesPart {
+    pub fn new(start: Start<'_>) -> Self {
+        Self { info: start.info.clone() }
+    }
+
+    /// Columns of a kind of map that are drawn in a group.
+    fn columns(&self, layer: LayerKind, group: &str) -> Vec<String> {
+        let columns = Scores::columns(layer, &self.info.tolerances_m, false);
+        columns.into_iter().filter(|c| metric_of(c).is_some_and(|m| is_drawn(m, group))).collect()
+    }
+}
+
+/// Whether a metric is drawn in a group.
+fn is_drawn(metric: &Metric, group: &str) -> bool {
+    let kind = if group == RATES { Kind::Rate } else { Kind::Count };
+    metric.kind == kind && metric.heading().is_some()
+}
+
+/// Entity of one method's lines: voxels stand for the method itself, other kinds of maps below it.
+fn path(group: &str, method: &str, layer: LayerKind) -> String {
+    match layer {
+        LayerKind::Voxels => format!("{group}/{method}"),
+        other => format!("{group}/{method}/{}", other.name()),
+    }
+}
+
+impl Part for SeriesPart {
+    /// Names and colours of the lines; later methods are darker.
+    fn begin(&mut self, out: &mut Out<'_>) -> Result<()> {
+        for (number, method) in self.info.methods.iter().enumerate() {
+            let label = if self.info.methods.len() == 1 { "" } else { method.name.as_str() };
+            let shade = 0.7_f32.powi(number as i32);
+            for &layer in &method.layers {
+                for group in [RATES, COUNTS] {
+                    let columns = self.columns(layer, group);
+                    let names = columns.iter().map(|c| format!("{label} {c}").trim().to_owned());
+                    let colours = colours(&columns).into_iter().map(|c| shaded(c, shade));
+                    let lines = SeriesLines::new()
+                        .with_widths(vec![2.0; columns.len()])
+                        .with_names(names)
+                        .with_colors(colours);
+                    out.always(path(group, &method.name, layer), &lines)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn frame(&mut self, out: &mut Out<'_>, step: &Step<'_>) -> Result<()> {
+        for method in step.methods {
+            for scores in method.scores {
+                for group in [RATES, COUNTS] {
+                    let drawn = scores.list.iter().filter(|score| is_drawn(score.metric, group));
+                    let values: Vec<f64> = drawn.map(|score: &Score| score.value).collect();
+                    if !values.is_empty() {
+                        out.log(path(group, method.method, scores.kind), &Scalars::new(values))?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn panes(&self, shown: &Shown) -> Vec<(Slot, Pane)> {
+        if !shown.scored {
+            return Vec::new();
+        }
+        let rates = Pane::new("TimeSeries", "rates so far", RATES)
+            .with("PlotLegend", PlotLegend::new().with_corner(Corner2D::RightBottom))
+            .with("ScalarAxis", ScalarAxis::new().with_range(Range1D::new(0.0, 1.0)));
+        let counts = Pane::new("TimeSeries", "counts so far", COUNTS);
+        vec![(Slot::Scores, rates), (Slot::Scores, counts)]
+    }
+}
+
+fn colours(columns: &[String]) -> Vec<[u8; 3]> {
+    let mut palette = PALETTE.into_iter().cycle();
+    let known = |column: &str| KNOWN.iter().find(|(name, _)| *name == column).map(|(_, class)| class.rgb());
+    columns.iter().map(|c| known(c).or_else(|| palette.next()).unwrap_or_default()).collect()
 }
 
 /// A colour mixed with black.

@@ -4,11 +4,11 @@ use evigrid_grid::GridSpec;
 
 use crate::classes::CellClass::{self, Free, Hit, Missed, Mistake, Occupied, Unknown, Unobserved};
 
-/// The map from above as an image of class numbers: x (forward) runs to the right, y (left) upwards, one pixel per
-/// column of cells.
+/// The map from above as an image of class numbers: x (forward) runs to the right, y (left) upwards, one
+/// pixel per column of cells.
 ///
-/// A column shows the class that most of its occupied cells have (a mistake if there are as many hits); where the map
-/// has no occupied cell, whether the laser has one; else free where any cell was touched.
+/// A column shows the class that most of its occupied cells have (a mistake if there are as many hits); where
+/// the map has no occupied cell, whether the laser has one; else free where any cell was touched.
 #[derive(Debug)]
 pub(crate) struct TopView {
     shape: [usize; 3],

@@ -1,40 +1,36 @@
-use std::io::Write;
-
 use anyhow::Result;
 use evigrid_core::Pose;
+use evigrid_eval::Step;
 use rerun::components::Radius;
-use rerun::{Color, LineStrips3D, TimePoint};
+use rerun::{Color, LineStrips3D};
 
-use crate::rrd::{Rrd, Store};
+use crate::part::{Out, Part};
 
 /// Where the camera has been.
 pub(crate) const TRAJECTORY: &str = "world/trajectory";
 
-/// Positions of one strip. Each strip is an entity of its own, so that a frame costs the same however long the way is.
+/// Positions of one strip. Each strip is an entity of its own, so that a frame costs the same however long
+/// the way is.
 const STRIP: usize = 64;
 
-/// Writes the way of the left camera.
+/// The way of the left camera.
 #[derive(Debug, Default)]
-pub(crate) struct TrajectoryWriter {
+pub(crate) struct TrajectoryPart {
     strip: Vec<[f32; 3]>,
     strips: usize,
 }
 
-impl TrajectoryWriter {
-    pub fn frame<W: Write>(
-        &mut self,
-        rrd: &mut Rrd<W>,
-        store: &mut Store,
-        at: &TimePoint,
-        map_from_left: &Pose,
-    ) -> Result<()> {
-        self.push(map_from_left);
+impl Part for TrajectoryPart {
+    fn frame(&mut self, out: &mut Out<'_>, step: &Step<'_>) -> Result<()> {
+        self.push(step.frame.map_from_left());
         let strip = LineStrips3D::new([self.strip.clone()])
             .with_colors([Color::from_rgb(255, 255, 255)])
             .with_radii([Radius::new_ui_points(1.5)]);
-        rrd.log(store, format!("{TRAJECTORY}/{}", self.strips), at, &strip)
+        out.log(format!("{TRAJECTORY}/{}", self.strips), &strip)
     }
+}
 
+impl TrajectoryPart {
     fn push(&mut self, map_from_left: &Pose) {
         if self.strip.len() >= STRIP {
             // The next strip begins where this one ends.
@@ -52,7 +48,7 @@ mod tests {
 
     #[test]
     fn strips_join() {
-        let mut writer = TrajectoryWriter::default();
+        let mut writer = TrajectoryPart::default();
         for x in 0..=STRIP {
             writer.push(&Pose::translation(x as f64, 0.0, 0.0));
         }

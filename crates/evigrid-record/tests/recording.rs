@@ -4,12 +4,13 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use evigrid_core::{Disparity, Frame, GrayImage, LaserScan, Matches, Pose, StereoRig};
-use evigrid_eval::{Config, MethodResult, MethodStep, Observer, RunInfo, RunResult, Scores, Step};
-use evigrid_grid::{GridSettings, GridSpec, LogOddsGrid};
-use evigrid_metrics::Reference;
+use evigrid_core::{Disparity, Frame, GrayImage, LaserScan, Matching, Pose, StereoRig};
+use evigrid_eval::{Config, MethodStep, Observer, Step, Truth};
+use evigrid_grid::{GridSettings, GridSpec, Layer, LayerKind, LogOddsGrid};
+use evigrid_metrics::Scores;
 use evigrid_record::Recorder;
-use evigrid_truth::LaserTruth;
+use evigrid_results::{MethodInfo, MethodResult, RunInfo, RunResult, SettingsText};
+use evigrid_truth::TruthSettings;
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::log::{Chunk, LogMsg};
 
@@ -19,9 +20,18 @@ const RIG: StereoRig =
 fn info() -> RunInfo {
     let grid = GridSettings { x_m: [0.0, 30.0], y_m: [-2.0, 2.0], z_m: [-1.0, 1.0], cell_size_m: 1.0 };
     let spec = GridSpec::new(&grid).unwrap();
-    let config = Config { grid, ..Config::default() };
-    let methods = vec!["first".to_owned(), "second".to_owned()];
-    RunInfo { dataset: "tiny".into(), layout: "by hand".into(), frames: vec![3, 5], methods, spec, config }
+    let method = |name: &str| MethodInfo { name: name.into(), layers: vec![LayerKind::Voxels] };
+    RunInfo {
+        dataset: "tiny".into(),
+        layout: "by hand".into(),
+        frames: vec![3, 5],
+        stride: 2,
+        methods: ["first", "second"].map(method).to_vec(),
+        spec,
+        tolerances_m: Vec::new(),
+        truth: "laser",
+        settings: SettingsText { json: Default::default(), toml: String::new(), hash: String::new() },
+    }
 }
 
 /// Frame 5 has a laser scan: one ray straight ahead that ends in the cell at x 4..5, y 0..1, z 0..1.
@@ -46,43 +56,42 @@ fn map(spec: GridSpec) -> LogOddsGrid {
 fn record(path: &Path, whole: bool) {
     let info = info();
     let mut recorder = Recorder::create(path.to_owned()).unwrap();
-    recorder.begin(&info).unwrap();
-    let mut truth = LaserTruth::new(info.spec, info.config.truth).unwrap();
-    let map = map(info.spec);
-    let empty = LogOddsGrid::unknown(info.spec);
-    let matches = Matches::from_disparity(Disparity::new(8, 6, vec![2.0; 48]).unwrap());
+    recorder.begin(&info, &Config::default()).unwrap();
+    let mut truth = Truth::laser(info.spec, TruthSettings::default()).unwrap();
+    let (map, empty) = (map(info.spec), LogOddsGrid::unknown(info.spec));
+    let layers = [vec![Layer::from(&map)], vec![Layer::from(&empty)]];
+    let matching = Matching::from_disparity(Disparity::new(8, 6, vec![2.0; 48]).unwrap());
     for (position, &index) in info.frames.iter().enumerate() {
         let frame = frame(index);
-        frame.laser().into_iter().for_each(|scan| truth.add_scan(scan));
-        let truth = (truth.scans() > 0).then_some(&truth);
-        let reference = truth.map(reference);
-        let scores = reference.map(|r| Scores::of(&map, &r, &[]));
+        truth.add(&frame);
+        let scores: Vec<Scores> =
+            truth.voxels().map(|truth| Scores::voxels(map.values(), &truth, &[])).into_iter().collect();
         let methods = [
-            MethodStep { method: "first", map: &map, scores: scores.as_ref() },
-            MethodStep { method: "second", map: &empty, scores: scores.as_ref() },
+            MethodStep { method: "first", layers: &layers[0], scores: &scores },
+            MethodStep { method: "second", layers: &layers[1], scores: &scores },
         ];
-        let step = Step { position, frame: &frame, matches: &matches, truth, methods: &methods };
+        let matching = Some(&matching);
+        let step = Step { position, frame: &frame, matching, truth: &truth, methods: &methods };
         recorder.frame(&step).unwrap();
     }
     if !whole {
         return;
     }
-    let reference = reference(&truth);
-    let methods = [("first", &map), ("second", &empty)];
+    let reference = truth.voxels().unwrap();
+    let methods = [("first", &map), ("second", &empty)].map(|(name, map)| MethodResult {
+        method: name.into(),
+        scores: vec![Scores::voxels_at_end(map.values(), &reference, &[])],
+    });
     let result = RunResult {
-        methods: methods.map(|(name, map)| MethodResult::of(name, map, Some(&reference), &[])).to_vec(),
+        methods: methods.to_vec(),
         frames: 2,
         without_laser: vec![3],
         wall_ms: 0.0,
-        stage_totals: Default::default(),
+        stage_totals: Vec::new(),
     };
-    for file in recorder.end(&result, &[&map, &empty], Some(&truth)).unwrap() {
+    for file in recorder.end(&result, &layers, &truth).unwrap() {
         file.publish().unwrap();
     }
-}
-
-fn reference(truth: &LaserTruth) -> Reference<'_> {
-    Reference { spec: truth.spec(), occupied: truth.occupied(), observed: truth.observed() }
 }
 
 /// All rows of a file: entity path -> for each row, its frame (none if static) and the number of its values.
@@ -118,8 +127,8 @@ fn every_class_of_every_block_is_written_when_it_changes() {
         let below = rows.iter().filter_map(|(path, rows)| Some((path.strip_prefix(&prefix)?, &rows[..])));
         below.collect::<Vec<_>>()
     };
-    // The first row of each gives colour and size, once and for all. Without a laser cells are only occupied; with
-    // the first scan, of frame 5, they are hits and mistakes, and the occupied ones are gone.
+    // The first row of each gives colour and size, once and for all. Without a laser cells are only occupied;
+    // with the first scan, of frame 5, they are hits and mistakes, and the occupied ones are gone.
     let look = (None, 1);
     let occupied_0 = [look, (Some(3), 2), (Some(5), 0)];
     let occupied_1 = [look, (Some(3), 1), (Some(5), 0)];

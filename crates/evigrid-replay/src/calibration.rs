@@ -3,18 +3,19 @@
 use evigrid_core::{CoreError, Pose, StereoRig};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
+use crate::image_size::ImageSize;
 use crate::text::Fault;
 
-/// How far the rows of a printed rotation may be from orthonormal. KITTI prints seven digits; poses from elsewhere
-/// are often coarser.
+/// How far the rows of a printed rotation may be from orthonormal. KITTI prints seven digits; poses from
+/// elsewhere are often coarser.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 /// How far two numbers of a rectified rig may differ, relative to the first, and still count as equal.
 const EQUAL_TOLERANCE: f64 = 1e-6;
 /// How far the cameras of a rectified pair may be displaced along y or z, metres.
 const ROW_ALIGNMENT_TOLERANCE_M: f64 = 1e-3;
 
-/// The rotation nearest to a printed 3x3 matrix (row by row): the digits that printing cut off are restored, so that
-/// long chains of poses stay rigid.
+/// The rotation nearest to a printed 3x3 matrix (row by row): the digits that printing cut off are restored,
+/// so that long chains of poses stay rigid.
 pub(crate) fn rotation(what: &str, rows: &[f64; 9]) -> Result<UnitQuaternion<f64>, Fault> {
     let matrix = Matrix3::from_row_slice(rows);
     let deviation = (matrix * matrix.transpose() - Matrix3::identity()).amax();
@@ -51,25 +52,51 @@ pub(crate) fn level_camera() -> Pose {
     Isometry3::from_parts(Translation3::identity(), rotation)
 }
 
+/// The projection [f 0 cx tx; 0 f cy ty; 0 0 1 tz] of a rectified camera, whose centre lies at
+/// -K^-1 [tx ty tz].
+pub(crate) struct ProjectionMatrix<'a> {
+    /// Key of the calibration file that it stands under.
+    name: &'a str,
+    focal_px: f64,
+    centre_x_px: f64,
+    centre_y_px: f64,
+    camera_from_rectified: Vector3<f64>,
+}
+
+impl<'a> ProjectionMatrix<'a> {
+    /// Takes the numbers of a printed matrix, row by row.
+    pub fn new(name: &'a str, rows: &[f64; 12]) -> Result<Self, Fault> {
+        let [focal_px, skew, centre_x_px, tx, zero_4, focal_y_px, centre_y_px, ty, zero_8, zero_9, one, tz] =
+            *rows;
+        if !nearly_equal(focal_px, focal_y_px) || focal_px <= 0.0 {
+            let found = format!("fx {focal_px} px, fy {focal_y_px} px");
+            return Err(Fault::new(name, "equal focal lengths fx = fy > 0", found));
+        }
+        if [skew, zero_4, zero_8, zero_9, one] != [0.0, 0.0, 0.0, 0.0, 1.0] {
+            let found = format!("[f {skew} cx tx; {zero_4} f cy ty; {zero_8} {zero_9} {one} tz]");
+            return Err(Fault::new(name, "a rectified projection [f 0 cx tx; 0 f cy ty; 0 0 1 tz]", found));
+        }
+        let offset = Vector3::new((tx - centre_x_px * tz) / focal_px, (ty - centre_y_px * tz) / focal_px, tz);
+        Ok(Self { name, focal_px, centre_x_px, centre_y_px, camera_from_rectified: offset })
+    }
+}
+
 /// A rectified pair as two projection matrices describe it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RectifiedPair {
     pub rig: StereoRig,
-    /// From the rectified frame, which both matrices project from, to the left camera's own: a pure displacement.
+    /// A pure displacement, from the rectified frame, which both matrices project from, to the left camera's.
     pub left_from_rectified: Pose,
 }
 
-/// The pair of a left and a right projection [f 0 cx tx; 0 f cy ty; 0 0 1 tz], row by row, and an image size in
-/// pixels. The camera centres lie at -K^-1 [tx ty tz]; the baseline is their distance along x.
+/// The pair of a left and a right camera with images of one size. The baseline is the distance of their
+/// centres along x.
 pub(crate) fn rectified_pair(
-    names: [&str; 2],
-    left: &[f64; 12],
-    right: &[f64; 12],
-    (width, height): (usize, usize),
+    left: &ProjectionMatrix<'_>,
+    right: &ProjectionMatrix<'_>,
+    size: ImageSize,
 ) -> Result<RectifiedPair, Fault> {
-    let [left_name, right_name] = names;
-    let left = projection(left_name, left)?;
-    let right = projection(right_name, right)?;
+    let (left_name, right_name) = (left.name, right.name);
     for (what, l, r) in [
         ("focal length", left.focal_px, right.focal_px),
         ("principal point x", left.centre_x_px, right.centre_x_px),
@@ -91,8 +118,8 @@ pub(crate) fn rectified_pair(
         ));
     }
     let rig = StereoRig {
-        width,
-        height,
+        width: size.width,
+        height: size.height,
         focal_px: left.focal_px,
         centre_x_px: left.centre_x_px,
         centre_y_px: left.centre_y_px,
@@ -112,37 +139,6 @@ pub(crate) fn checked(what: &str, rig: StereoRig) -> Result<StereoRig, Fault> {
     })
 }
 
-/// Width and height as a calibration file gives them: whole numbers of pixels.
-pub(crate) fn image_size(what: &str, [width, height]: [f64; 2]) -> Result<(usize, usize), Fault> {
-    let possible = |v: f64| v.fract() == 0.0 && (1.0..=f64::from(crate::png::MAX_SIDE_PX)).contains(&v);
-    if possible(width) && possible(height) {
-        return Ok((width as usize, height as usize));
-    }
-    let expected = format!("whole numbers of pixels from 1 to {}", crate::png::MAX_SIDE_PX);
-    Err(Fault::new(what, expected, format!("{width} x {height}")))
-}
-
-struct Projection {
-    focal_px: f64,
-    centre_x_px: f64,
-    centre_y_px: f64,
-    camera_from_rectified: Vector3<f64>,
-}
-
-fn projection(name: &str, p: &[f64; 12]) -> Result<Projection, Fault> {
-    let [focal_px, skew, centre_x_px, tx, zero_4, focal_y_px, centre_y_px, ty, zero_8, zero_9, one, tz] = *p;
-    if !nearly_equal(focal_px, focal_y_px) || focal_px <= 0.0 {
-        let found = format!("fx {focal_px} px, fy {focal_y_px} px");
-        return Err(Fault::new(name, "equal focal lengths fx = fy > 0", found));
-    }
-    if [skew, zero_4, zero_8, zero_9, one] != [0.0, 0.0, 0.0, 0.0, 1.0] {
-        let found = format!("[f {skew} cx tx; {zero_4} f cy ty; {zero_8} {zero_9} {one} tz]");
-        return Err(Fault::new(name, "a rectified projection [f 0 cx tx; 0 f cy ty; 0 0 1 tz]", found));
-    }
-    let offset = Vector3::new((tx - centre_x_px * tz) / focal_px, (ty - centre_y_px * tz) / focal_px, tz);
-    Ok(Projection { focal_px, centre_x_px, centre_y_px, camera_from_rectified: offset })
-}
-
 fn nearly_equal(a: f64, b: f64) -> bool {
     (a - b).abs() <= EQUAL_TOLERANCE * a.abs().max(1.0)
 }
@@ -159,7 +155,9 @@ mod tests {
     const P1: [f64; 12] = [700.0, 0.0, 600.0, -350.0, 0.0, 700.0, 180.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
     fn pair(left: [f64; 12], right: [f64; 12]) -> Result<RectifiedPair, String> {
-        rectified_pair(["P0", "P1"], &left, &right, (1200, 370))
+        let size = ImageSize { width: 1200, height: 370 };
+        ProjectionMatrix::new("P0", &left)
+            .and_then(|left| rectified_pair(&left, &ProjectionMatrix::new("P1", &right)?, size))
             .map_err(|fault| fault.of(Path::new("calib.txt")).to_string())
     }
 
@@ -247,7 +245,7 @@ mod tests {
         ) {
             let _ = pair(a, b);
             let _ = pose_from_matrix("pose", &a);
-            let _ = image_size("size", [a[0], b[0]]);
+            let _ = ImageSize::from_numbers("size", a[0], b[0]);
         }
     }
 }

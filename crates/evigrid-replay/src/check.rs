@@ -1,30 +1,32 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use evigrid_core::StereoRig;
+use evigrid_core::{Mounting, StereoRig};
 
 use crate::{FrameRanges, Layout};
 
-/// What a data set should hold, what it holds, and what is wrong with it. Printed as a plain table.
+/// Findings on a data set: what it should hold, what it holds, and what is wrong with it. Prints as a table.
 #[derive(Debug, Clone)]
 pub struct CheckReport {
     /// The folder that was looked at.
     pub dir: PathBuf,
-    /// Its layout, if one fits.
+    /// Layout of the folder, if one fits.
     pub layout: Option<Layout>,
     /// Name of the recording; empty if it could not be opened.
     pub id: String,
     /// The rig, if the recording could be opened.
     pub rig: Option<StereoRig>,
-    /// Whether the rig is an assumption, so that metric depths are nominal (Middlebury pairs without calibration).
+    /// Whether the rig is an assumption, for want of a calibration, so that metric depths are nominal.
     pub rig_is_assumed: bool,
+    /// How the left camera stands over the ground, if the recording could be opened and tells.
+    pub mounting: Option<Mounting>,
     /// Frames that the left images promise: `0..frame_count`.
     pub frame_count: usize,
     /// Frames with both images, of the right size.
     pub stereo_frames: usize,
     /// Frames with a laser scan. Mapping needs none; the truth is built from these frames alone.
     pub laser_frames: usize,
-    /// Everything that was looked for.
+    /// Everything that was looked for, and how it stands.
     pub items: Vec<CheckItem>,
     /// Everything that is wrong, one line each: what, expected, found, path.
     pub problems: Vec<String>,
@@ -33,17 +35,17 @@ pub struct CheckReport {
 /// One thing that a data set should hold.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CheckItem {
-    /// What was looked for.
+    /// Name of the thing, e.g. `left images`.
     pub name: String,
-    /// What should be there.
+    /// Content that should be there, e.g. `40 files`.
     pub expected: String,
-    /// What is there.
+    /// Content that is there.
     pub found: String,
-    /// The verdict.
+    /// Verdict on the thing.
     pub state: ItemState,
-    /// Frames that lack it.
+    /// Frames that lack the thing.
     pub missing: FrameRanges,
-    /// Frames whose file is wrong.
+    /// Frames whose file of this kind is wrong.
     pub faulty: FrameRanges,
 }
 
@@ -81,9 +83,35 @@ impl CheckReport {
             rig.width, rig.height, rig.focal_px, rig.centre_x_px, rig.centre_y_px, rig.baseline_m
         )
     }
+
+    /// Line on the mounting of the camera; `None` for a recording that could not be opened.
+    fn mounting_line(&self) -> Option<String> {
+        self.rig?;
+        Some(match self.mounting {
+            Some(Mounting { height_m, pitch_rad }) => {
+                let pitch_deg = (pitch_rad.to_degrees() * 100.0).round() / 100.0;
+                format!("camera {height_m} m above the ground, pitch {pitch_deg} degrees")
+            }
+            None => "mounting over the ground: not told by the data set \
+                     (--set input.mounting=[height_m, pitch_deg])"
+                .to_owned(),
+        })
+    }
 }
 
 impl CheckItem {
+    /// An item that no single frame lacks.
+    pub(crate) fn new(name: &str, expected: &str, found: &str, state: ItemState) -> Self {
+        Self {
+            name: name.to_owned(),
+            expected: expected.to_owned(),
+            found: found.to_owned(),
+            state,
+            missing: FrameRanges::default(),
+            faulty: FrameRanges::default(),
+        }
+    }
+
     fn frames(&self) -> String {
         let part = |name: &str, frames: &FrameRanges| {
             if frames.is_empty() { None } else { Some(format!("{name} {frames}")) }
@@ -108,6 +136,9 @@ impl ItemState {
 impl fmt::Display for CheckReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n{}", self.heading(), self.rig_line())?;
+        if let Some(line) = self.mounting_line() {
+            writeln!(f, "{line}")?;
+        }
         if !self.items.is_empty() {
             writeln!(f)?;
             write_table(f, &self.items)?;
@@ -152,10 +183,11 @@ mod tests {
         };
         let report = CheckReport {
             dir: PathBuf::from("drive"),
-            layout: Some(Layout::KittiRaw),
+            layout: Some(Layout::KITTI_RAW),
             id: "drive".to_owned(),
             rig: None,
             rig_is_assumed: false,
+            mounting: None,
             frame_count: 40,
             stereo_frames: 40,
             laser_frames: 36,

@@ -19,32 +19,32 @@ const FILES: [(&str, &str); 4] = [
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DatasetInfo {
-    /// Name, as for `--dataset`.
+    /// Name of the recording, as for `--dataset`.
     pub id: String,
     /// One line that says what is seen.
     pub title: String,
-    /// Who made it, and where it is described.
+    /// Makers of the recording, and where it is described.
     pub origin: String,
     /// Terms of use.
     pub licence: String,
-    /// How its files are arranged.
+    /// Arrangement of the recording's files.
     pub layout: Layout,
-    /// Its folder below the data root.
+    /// Folder of the recording below the data root.
     pub dir: PathBuf,
-    /// The folder below the data root in which the archives are unpacked.
+    /// Folder below the data root in which the archives are unpacked.
     pub unpack_into: PathBuf,
     /// Archives to download.
     pub files: Vec<DatasetFile>,
-    /// What must be there once they are unpacked, relative to `dir`.
+    /// Files and folders that must be there once the archives are unpacked, relative to `dir`.
     pub expect: Vec<PathBuf>,
-    /// The frames that published figures use.
+    /// Frames that published figures use.
     pub frames: Range<usize>,
-    /// The rig, to compare with what the files say.
+    /// Rig of the recording, to compare with that of the files.
     #[serde(with = "Rig")]
     pub rig: StereoRig,
     /// Whether the rig is assumed, because none is published.
     pub rig_is_assumed: bool,
-    /// What it is used for here.
+    /// Use of the recording in this project.
     pub note: String,
 }
 
@@ -68,13 +68,13 @@ struct Rig {
 }
 
 impl DatasetInfo {
-    /// Its folder below a data root.
+    /// Folder of the recording below a data root.
     pub fn dir_below(&self, data_root: &Path) -> PathBuf {
         data_root.join(&self.dir)
     }
 }
 
-/// All recordings that the project knows by name, ordered by it.
+/// All recordings that the project knows by name, ordered by name.
 ///
 /// # Errors
 /// If a file of `datasets/` is not what it should be: a mistake of the project, found by its tests.
@@ -85,7 +85,7 @@ pub fn datasets() -> Result<Vec<DatasetInfo>, ReplayError> {
 /// The recording of a name, if the project knows it.
 ///
 /// # Errors
-/// As [`datasets`].
+/// If a file of `datasets/` is not what it should be.
 pub fn find_dataset(name: &str) -> Result<Option<DatasetInfo>, ReplayError> {
     Ok(datasets()?.into_iter().find(|dataset| dataset.id == name))
 }
@@ -129,6 +129,15 @@ mod tests {
         let expected = "/data/kitti_raw/2011_09_26/2011_09_26_drive_0013_sync";
         assert_eq!(drive.dir_below(Path::new("/data")), Path::new(expected));
         assert_eq!(find_dataset("2011_09_26_drive_0014").unwrap(), None);
+    }
+
+    #[test]
+    fn unknown_layouts_are_refused_with_their_line() {
+        let (_, text) = FILES[0];
+        let fault = parse(&text.replace("\"kitti-raw\"", "\"kitti_raw\"")).unwrap_err();
+        let message = fault.of(Path::new("d.toml")).to_string();
+        assert!(message.contains("unknown layout `kitti_raw`, expected one of kitti-raw, "), "{message}");
+        assert!(message.ends_with("d.toml:5"), "{message}");
     }
 
     #[test]

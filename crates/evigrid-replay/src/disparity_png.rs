@@ -24,12 +24,13 @@ pub fn read_disparity_png(path: &Path) -> Result<Disparity, ReplayError> {
 
 /// Writes a disparity image, to a temporary name beside `path` first, so that the file is whole or not there.
 ///
-/// Values are rounded to the nearest 1/256 px. Whatever rounds to 0 – the disparity 0 of points infinitely far away
-/// among them – is written as 1/256 px, since 0 stands for no measurement; at KITTI's rig that is a depth of 99 km.
+/// Values are rounded to the nearest 1/256 px. Whatever rounds to 0 – the disparity 0 of points infinitely
+/// far away among them – is written as 1/256 px, since 0 stands for no measurement; at KITTI's rig that is a
+/// depth of 99 km.
 ///
 /// # Errors
-/// If a disparity is larger than the format holds (65535/256 = 255.996 px; a clipped one would be a wrong depth), or
-/// if the file cannot be written.
+/// If a disparity is larger than the format holds (65535/256 = 255.996 px; a clipped one would be a wrong
+/// depth), or if the file cannot be written.
 pub fn write_disparity_png(path: &Path, disparity: &Disparity) -> Result<(), ReplayError> {
     let bytes = encode_disparity(disparity).map_err(|fault| fault.of(path))?;
     let mut partial = path.as_os_str().to_owned();
@@ -145,8 +146,8 @@ mod tests {
         fn what_is_written_is_read(steps in prop::collection::vec(0..=u16::MAX, 1..50)) {
             let dir = tempfile::tempdir().unwrap();
             let path = dir.path().join("d.png");
-            let values = steps.iter().map(|&v| if v == 0 { f32::NAN } else { f32::from(v) / 256.0 }).collect();
-            let written = image(values);
+            let px = |&v: &u16| if v == 0 { f32::NAN } else { f32::from(v) / 256.0 };
+            let written = image(steps.iter().map(px).collect());
             write_disparity_png(&path, &written).unwrap();
             let read = read_disparity_png(&path).unwrap();
             prop_assert_eq!((read.width(), read.height()), (steps.len(), 1));

@@ -1,39 +1,39 @@
 use std::path::PathBuf;
 
-/// Why a recording could not be read. The message says what failed first, what was expected and found, and the
-/// path last.
+/// Why a recording could not be read. The message says what failed first, what was expected and found, and
+/// the path last.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
     /// A file or folder that cannot be read at all.
     #[error("cannot read {what}: {source}: {}", path.display())]
     Io {
-        /// What was being read.
+        /// Name of the thing that was being read, e.g. `time stamps`.
         what: &'static str,
-        /// Where.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// A file that cannot be written.
     #[error("cannot write {what}: {source}: {}", path.display())]
     Write {
-        /// What was being written.
+        /// Name of the thing that was being written, e.g. `disparity image`.
         what: &'static str,
-        /// Where.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// A file whose content is not what it should be.
     #[error("{what}: expected {expected}, found {found}: {}{place}", path.display())]
     Content {
-        /// What was being read.
+        /// Name of the thing that was being read, e.g. `laser scan`.
         what: String,
-        /// What should be there.
+        /// Content that should be there.
         expected: String,
-        /// What is there.
+        /// Content that is there.
         found: String,
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Line or byte within it, as `:7` or ` at byte 16`; empty for the whole file.
         place: String,
@@ -41,21 +41,21 @@ pub enum ReplayError {
     /// A frame number outside the recording.
     #[error("frame {index} does not exist: expected 0..{frame_count}: {}", path.display())]
     NoSuchFrame {
-        /// The frame asked for.
+        /// Number of the frame that was asked for.
         index: usize,
-        /// How many there are.
+        /// Number of frames in the recording.
         frame_count: usize,
-        /// The recording.
+        /// Folder of the recording.
         path: PathBuf,
     },
     /// A frame whose parts do not fit together.
     #[error("frame {index}: {source}: {}", path.display())]
     Frame {
-        /// The frame.
+        /// Number of the frame.
         index: usize,
-        /// What does not fit.
+        /// Misfit of the parts.
         source: evigrid_core::CoreError,
-        /// The recording or the file at fault.
+        /// Path of the recording or the file at fault.
         path: PathBuf,
     },
 }

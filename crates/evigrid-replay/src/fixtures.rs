@@ -60,9 +60,9 @@ pub fn oxts_line(latitude: f64, longitude: f64, yaw: f64) -> String {
     format!("{latitude} {longitude} 100 0 0 {yaw}{}\n", " 0".repeat(24))
 }
 
-/// A raw drive at the equator that starts eastwards and moves 0.00001 degrees (1.1132 m) a frame. IMU and laser are
-/// at one place; camera 0 is 0.3 m in front of them, level; its rectification is a shift of nothing. Every scan is
-/// one point, 10 m ahead.
+/// A raw drive at the equator that starts eastwards and moves 0.00001 degrees (1.1132 m) a frame. IMU and
+/// laser are at one place; camera 0 is 0.3 m in front of them, level; its rectification is a shift of
+/// nothing. Every scan is one point, 10 m ahead.
 pub fn kitti_raw(frame_count: usize) -> Recording {
     let root = tempfile::tempdir().unwrap();
     let dir = root.path().join("2001_01_01_drive_0001_sync");
@@ -93,8 +93,8 @@ pub fn kitti_raw(frame_count: usize) -> Recording {
     recording
 }
 
-/// An odometry sequence that moves 2 m forward a frame; the laser is 0.3 m behind the camera. Every scan is one point,
-/// 10 m ahead of the laser.
+/// An odometry sequence that moves 2 m forward a frame; the laser is 0.3 m behind the camera. Every scan is
+/// one point, 10 m ahead of the laser.
 pub fn kitti_odometry(frame_count: usize) -> Recording {
     let root = tempfile::tempdir().unwrap();
     let dir = root.path().join("sequences/07");

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use evigrid_core::{CoreError, Frame, GrayImage, LaserScan, Pose, StereoRig};
 
+use crate::image_size::ImageSize;
 use crate::laser_file::{read_origins, read_scan};
 use crate::png::decode_grey;
 use crate::text::read_bytes;
 use crate::{ReplayError, SequenceInfo};
 
-/// Where the parts of one frame lie and how they stand to each other.
+/// Places of the parts of one frame, and how they stand to each other.
 pub(crate) struct FrameParts {
     pub index: usize,
     pub stamp_ns: i64,
@@ -49,8 +50,9 @@ impl FrameParts {
     ) -> Result<(GrayImage, Arc<[u8]>), ReplayError> {
         let bytes = read_bytes(what, path)?;
         let image = decode_grey(&bytes).map_err(|fault| fault.of(path))?;
-        require_size(what, (rig.width, rig.height), (image.width(), image.height()))
-            .map_err(|source| self.misfit(source, path))?;
+        let expected = ImageSize { width: rig.width, height: rig.height };
+        let found = ImageSize { width: image.width(), height: image.height() };
+        found.require(what, expected).map_err(|source| self.misfit(source, path))?;
         Ok((image, bytes.into()))
     }
 
@@ -71,18 +73,6 @@ impl FrameParts {
     fn misfit(&self, source: CoreError, path: &Path) -> ReplayError {
         ReplayError::Frame { index: self.index, source, path: path.to_owned() }
     }
-}
-
-/// `Ok` if an image has the expected width and height.
-pub(crate) fn require_size(
-    what: &'static str,
-    (expected_width, expected_height): (usize, usize),
-    (width, height): (usize, usize),
-) -> Result<(), CoreError> {
-    if (width, height) == (expected_width, expected_height) {
-        return Ok(());
-    }
-    Err(CoreError::Size { what, expected_width, expected_height, width, height })
 }
 
 /// `Ok` if the recording has a frame of this number.

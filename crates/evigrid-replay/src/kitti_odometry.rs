@@ -1,33 +1,55 @@
-//! KITTI odometry sequences (Geiger et al., "Are we ready for autonomous driving?", CVPR 2012). The synthetic worlds
-//! are written in this layout as well.
+//! KITTI odometry sequences (Geiger et al., "Are we ready for autonomous driving?", CVPR 2012). The synthetic
+//! worlds are written in this layout as well.
 
 use std::path::{Path, PathBuf};
 
 use evigrid_core::{Frame, Pose};
 
-use crate::calibration::{RectifiedPair, level_camera, pose_from_matrix, rectified_pair};
+use crate::calibration::{ProjectionMatrix, RectifiedPair, level_camera, pose_from_matrix, rectified_pair};
+use crate::check_folder::{CalibrationKey, Inspection};
 use crate::folder::{FrameFiles, folder_name, resolve};
 use crate::frame_parts::{FrameParts, ScanFiles, require_frame};
+use crate::image_size::ImageSize;
+use crate::laser_file::check_origins;
+use crate::layout::LayoutSpec;
 use crate::png;
 use crate::poses::parse_poses;
 use crate::stamps::parse_seconds;
 use crate::text::{Fault, KeyValues, read_text};
-use crate::{ReplayError, Sequence, SequenceInfo};
+use crate::{ItemState, Layout, ReplayError, Sequence, SequenceInfo};
 
-pub(crate) const LEFT: FrameFiles = FrameFiles { folder: "image_0", digits: 6, extension: "png" };
-pub(crate) const RIGHT: FrameFiles = FrameFiles { folder: "image_1", ..LEFT };
-pub(crate) const LASER: FrameFiles = FrameFiles { folder: "velodyne", digits: 6, extension: "bin" };
-pub(crate) const ORIGINS: FrameFiles = FrameFiles { folder: "velodyne_origins", ..LASER };
-pub(crate) const CALIBRATION: &str = "calib.txt";
-pub(crate) const STAMPS: &str = "times.txt";
+const LEFT: FrameFiles = FrameFiles { folder: "image_0", digits: 6, extension: "png" };
+const RIGHT: FrameFiles = FrameFiles { folder: "image_1", ..LEFT };
+const LASER: FrameFiles = FrameFiles { folder: "velodyne", digits: 6, extension: "bin" };
+const ORIGINS: FrameFiles = FrameFiles { folder: "velodyne_origins", ..LASER };
+const CALIBRATION: &str = "calib.txt";
+const STAMPS: &str = "times.txt";
+/// Keys of the two cameras, then of the laser.
+const KEYS: [CalibrationKey; 3] = [
+    CalibrationKey { name: "P0", numbers: 12 },
+    CalibrationKey { name: "P1", numbers: 12 },
+    CalibrationKey { name: "Tr", numbers: 12 },
+];
+
+impl Layout {
+    /// Layout of a [`KittiOdometry`] sequence.
+    pub const KITTI_ODOMETRY: Self = Self(&LayoutSpec {
+        name: "kitti-odometry",
+        wants: "image_0, image_1, calib.txt, times.txt, optionally velodyne and velodyne_origins; \
+                poses.txt or ../../poses/NN.txt",
+        fits: |dir| dir.join("image_0").is_dir() || dir.join("times.txt").is_file(),
+        open: |dir| Ok(Box::new(KittiOdometry::open(dir)?)),
+        check,
+    });
+}
 
 /// A sequence of the KITTI odometry benchmark: grey stereo pair, poses, Velodyne.
 ///
 /// Beyond the benchmark, a scan whose rays did not all start at the laser's origin may have a file in
 /// `velodyne_origins` that says where they did, in the order of its points.
 ///
-/// The poses carry no gravity: the frame that `poses.txt` is given in, which is the first left camera of a whole
-/// sequence, is taken to be a level camera. The world is that camera's x forward, y left, z up, metres.
+/// The poses carry no gravity: the frame that `poses.txt` is given in, which is the first left camera of a
+/// whole sequence, is taken to be a level camera. The world is that camera's x forward, y left, z up, metres.
 #[derive(Debug)]
 pub struct KittiOdometry {
     dir: PathBuf,
@@ -40,12 +62,12 @@ pub struct KittiOdometry {
 
 impl KittiOdometry {
     /// Opens a sequence folder: `calib.txt`, `times.txt`, `image_0`, `image_1`, optionally `velodyne` and
-    /// `velodyne_origins`, and the poses in `poses.txt` or, as the benchmark packs them, in `../../poses/NN.txt`. The
-    /// image size is that of the first left image.
+    /// `velodyne_origins`, and the poses in `poses.txt` or, as the benchmark packs them, in
+    /// `../../poses/NN.txt`. The image size is that of the first left image.
     ///
     /// # Errors
-    /// If one of these is missing or wrong, if there are fewer times or poses than frames, or if there are scans but
-    /// no `Tr` in the calibration.
+    /// If one of these is missing or wrong, if there are fewer times or poses than frames, or if there are
+    /// scans but no `Tr` in the calibration.
     pub fn open(dir: &Path) -> Result<Self, ReplayError> {
         let resolved = resolve(dir)?;
         let frame_count = LEFT.frame_count(dir)?;
@@ -60,8 +82,10 @@ impl KittiOdometry {
             dir: dir.to_owned(),
             info: SequenceInfo {
                 id: id(&folder_name(&resolved)),
-                layout: "kitti-odometry",
+                layout: Layout::KITTI_ODOMETRY.name(),
                 rig: calibration.pair.rig,
+                // The layout does not tell, and synthetic worlds are written in it too.
+                mounting: None,
                 frame_count,
             },
             stamps_ns,
@@ -118,23 +142,25 @@ fn read_calibration(dir: &Path) -> Result<Calibration, ReplayError> {
     parse_calibration(&text, size, has_laser).map_err(|fault| fault.of(&path))
 }
 
-fn parse_calibration(text: &str, size: (usize, usize), has_laser: bool) -> Result<Calibration, Fault> {
+fn parse_calibration(text: &str, size: ImageSize, has_laser: bool) -> Result<Calibration, Fault> {
     let table = KeyValues::parse(text, ':');
-    let pair = rectified_pair(["P0", "P1"], &table.numbers("P0")?, &table.numbers("P1")?, size)?;
+    let (left, right) = (table.numbers("P0")?, table.numbers("P1")?);
+    let left = ProjectionMatrix::new("P0", &left)?;
+    let pair = rectified_pair(&left, &ProjectionMatrix::new("P1", &right)?, size)?;
     let rectified_from_laser =
         if has_laser { Some(pose_from_matrix("Tr", &table.numbers("Tr")?)?) } else { None };
     Ok(Calibration { pair, rectified_from_laser })
 }
 
-fn first_image_size(dir: &Path) -> Result<(usize, usize), ReplayError> {
+fn first_image_size(dir: &Path) -> Result<ImageSize, ReplayError> {
     match LEFT.numbers(dir)?.first() {
         Some(&first) => png::inspect(&LEFT.path(dir, first)),
-        None => LEFT.frame_count(dir).map(|_| (0, 0)),
+        None => LEFT.frame_count(dir).map(|_| ImageSize { width: 0, height: 0 }),
     }
 }
 
 /// `poses.txt` in the sequence, else where the benchmark has it; the former if neither is there.
-pub(crate) fn poses_path(dir: &Path, resolved: &Path) -> PathBuf {
+fn poses_path(dir: &Path, resolved: &Path) -> PathBuf {
     let own = dir.join("poses.txt");
     let root = resolved.parent().and_then(Path::parent);
     let packed = root.map(|root| root.join("poses").join(format!("{}.txt", folder_name(resolved))));
@@ -153,6 +179,25 @@ fn require_lines(what: &str, found: usize, frame_count: usize, path: &Path) -> R
 fn id(name: &str) -> String {
     let number = !name.is_empty() && name.bytes().all(|b| b.is_ascii_digit());
     if number { format!("odometry_{name}") } else { name.to_owned() }
+}
+
+/// Looks through a sequence.
+fn check(inspection: &mut Inspection) {
+    let dir = inspection.dir.clone();
+    let keys = if dir.join(LASER.folder).is_dir() { KEYS.len() } else { 2 };
+    inspection.calibration(&dir.join(CALIBRATION), ':', &KEYS[..keys]);
+    inspection.stereo(LEFT, RIGHT);
+    inspection.lines("times", &dir.join(STAMPS), |text| parse_seconds(text).map(|times| times.len()));
+    let resolved = resolve(&dir).unwrap_or_else(|_| dir.clone());
+    let poses = poses_path(&dir, &resolved);
+    inspection.lines("poses", &poses, |text| parse_poses(text).map(|poses| poses.len()));
+    inspection.laser(LASER);
+    // The benchmark has none.
+    if dir.join(ORIGINS.folder).is_dir() {
+        inspection.files("laser origins", ORIGINS, ItemState::Optional, |frame, path| {
+            check_origins(path, &LASER.path(&dir, frame))
+        });
+    }
 }
 
 #[cfg(test)]

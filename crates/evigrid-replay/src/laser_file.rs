@@ -1,5 +1,5 @@
-//! Laser scans: little-endian 32-bit floats. Velodyne scans hold x, y, z (metres, laser frame) and reflectance of each
-//! point; files of origins hold x, y, z of where the ray of each point started.
+//! Laser scans: little-endian 32-bit floats. Velodyne scans hold x, y, z (metres, laser frame) and
+//! reflectance of each point; files of origins hold x, y, z of where the ray of each point started.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read};
@@ -23,7 +23,7 @@ const SCAN: Points = Points { what: "laser scan", bytes: 16 };
 const ORIGINS: Points = Points { what: "laser origins", bytes: 12 };
 
 impl Points {
-    /// Appends the points in the next bytes of a file: metres, in the laser's frame (x forward, y left, z up).
+    /// Appends the points in the next bytes of a file: metres, laser's frame (x forward, y left, z up).
     fn parse(self, bytes: &[u8], points: &mut Vec<[f32; 3]>) -> Result<(), Fault> {
         let parsed_bytes = points.len() * self.bytes;
         let coordinate = |point: &[u8], at: usize| {
@@ -219,7 +219,9 @@ mod tests {
         }
 
         #[test]
-        fn finite_points_come_back(points in prop::collection::vec(prop::array::uniform3(-1e6_f32..1e6), 0..20)) {
+        fn finite_points_come_back(
+            points in prop::collection::vec(prop::array::uniform3(-1e6_f32..1e6), 0..20)
+        ) {
             prop_assert_eq!(parse_scan(&scan_bytes(&points)), Ok(points));
         }
     }

@@ -40,9 +40,9 @@ pub(crate) fn parse_packet(text: &str) -> Result<Packet, Fault> {
     Ok(Packet { latitude_deg, longitude_deg, altitude_m, roll, pitch, yaw })
 }
 
-/// The flat world of a drive: x east, y north, z up, metres, origin at the first packet's position. KITTI development
-/// kit, convertOxtsToPose.m: a Mercator projection whose scale is that of the first packet's latitude. (The kit puts
-/// the origin of its first *pose* there too, turned with the car; here z stays up.)
+/// The flat world of a drive: x east, y north, z up, metres, origin at the first packet's position. KITTI
+/// development kit, convertOxtsToPose.m: a Mercator projection whose scale is that of the first packet's
+/// latitude. (The kit puts the origin of its first *pose* there too, turned with the car; here z stays up.)
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MercatorWorld {
     scale: f64,
@@ -85,8 +85,8 @@ mod tests {
 
     #[test]
     fn positions_are_metres_east_and_north_of_the_first_packet() {
-        // One thousandth of a degree of a great circle: 6378137 * pi / 180000 = 111.3195 m; along the parallel of
-        // 60 degrees half of it, along the meridian all of it.
+        // One thousandth of a degree of a great circle: 6378137 * pi / 180000 = 111.3195 m; along the
+        // parallel of 60 degrees half of it, along the meridian all of it.
         let world = MercatorWorld::at(&packet(60.0, 8.0, [0.0; 3]));
         let there = Packet { altitude_m: 103.0, ..packet(60.001, 8.001, [0.0; 3]) };
         let position = world.world_from_imu(&there).translation.vector;

@@ -8,10 +8,9 @@ use evigrid_core::GrayImage;
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 
 use crate::ReplayError;
+use crate::image_size::{ImageSize, MAX_SIDE_PX};
 use crate::text::{Fault, read_bytes};
 
-/// Largest width or height that is read, so that a header cannot ask for any amount of memory.
-pub(crate) const MAX_SIDE_PX: u32 = 16_384;
 /// Most memory that decoding one image may take.
 const MAX_ALLOC_BYTES: u64 = 512 << 20;
 /// Signature and header chunk of every PNG file.
@@ -30,8 +29,8 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<DynamicImage, Fault> {
     reader.decode().map_err(|error| Fault::new("image", "a whole PNG file", error.to_string()))
 }
 
-/// The grey values of an 8-bit PNG file. Colour becomes luma by ITU-R BT.601 (0.299 R + 0.587 G + 0.114 B, rounded);
-/// transparency is dropped.
+/// The grey values of an 8-bit PNG file. Colour becomes luma by ITU-R BT.601 (0.299 R + 0.587 G + 0.114 B,
+/// rounded); transparency is dropped.
 pub(crate) fn decode_grey(bytes: &[u8]) -> Result<GrayImage, Fault> {
     let picture = decode(bytes)?;
     let (width, height) = (picture.width() as usize, picture.height() as usize);
@@ -50,8 +49,8 @@ fn luma(colour: &[u8]) -> u8 {
     ((299 * r + 587 * g + 114 * b + 500) / 1000) as u8
 }
 
-/// Width and height, pixels, from the first bytes of a PNG file.
-pub(crate) fn header_size(bytes: &[u8]) -> Result<(usize, usize), Fault> {
+/// Size in the first bytes of a PNG file.
+pub(crate) fn header_size(bytes: &[u8]) -> Result<ImageSize, Fault> {
     let header = bytes
         .first_chunk::<HEADER_BYTES>()
         .filter(|h| h.starts_with(b"\x89PNG\r\n\x1a\n") && &h[12..16] == b"IHDR");
@@ -64,12 +63,12 @@ pub(crate) fn header_size(bytes: &[u8]) -> Result<(usize, usize), Fault> {
         let expected = format!("sides from 1 to {MAX_SIDE_PX} px");
         return Err(Fault::new("image", expected, format!("{width}x{height}")));
     }
-    Ok((width as usize, height as usize))
+    Ok(ImageSize { width: width as usize, height: height as usize })
 }
 
-/// Width and height, pixels, of a PNG file, without decoding it: header and end are looked at, and only a file with
+/// Size of the picture in a PNG file, without decoding it: header and end are looked at, and only a file with
 /// an unusual end is decoded to tell whether it is whole.
-pub(crate) fn inspect(path: &Path) -> Result<(usize, usize), ReplayError> {
+pub(crate) fn inspect(path: &Path) -> Result<ImageSize, ReplayError> {
     let (header, end) = header_and_end(path).map_err(|source| ReplayError::Io {
         what: "image",
         path: path.to_owned(),
@@ -118,7 +117,7 @@ mod tests {
         let bytes = png_bytes(Gray8::from_raw(3, 2, vec![1, 2, 3, 4, 5, 6]).unwrap().into());
         let grey = decode_grey(&bytes).unwrap();
         assert_eq!((grey.width(), grey.height(), grey.row(1)), (3, 2, &[4, 5, 6][..]));
-        assert_eq!(header_size(&bytes), Ok((3, 2)));
+        assert_eq!(header_size(&bytes), Ok(ImageSize { width: 3, height: 2 }));
         assert!(bytes.ends_with(&END));
     }
 
@@ -134,7 +133,7 @@ mod tests {
             assert!(!error.contains('\n') && decode_grey(&bytes[..length]).is_err(), "{length}: {error}");
         }
         std::fs::write(&path, [&bytes[..], b"something after the end"].concat()).unwrap();
-        assert_eq!(inspect(&path).unwrap(), (40, 30));
+        assert_eq!(inspect(&path).unwrap(), ImageSize { width: 40, height: 30 });
     }
 
     #[test]

@@ -5,7 +5,8 @@ use evigrid_core::Pose;
 use crate::calibration::pose_from_matrix;
 use crate::text::{Fault, numbers};
 
-/// Poses of the rectified left camera, one per frame, from lines of twelve numbers: the rows of [R | t], metres.
+/// Poses of the rectified left camera, one per frame, from lines of twelve numbers: the rows of [R | t], in
+/// metres.
 pub(crate) fn parse_poses(text: &str) -> Result<Vec<Pose>, Fault> {
     let parse = |line: &str| pose_from_matrix("pose", &numbers::<12>("pose", line)?);
     let lines = text.trim_end().lines().enumerate();
@@ -37,7 +38,8 @@ mod tests {
         assert_eq!(message(&format!("{good}1 0 0\n")), "pose: expected 12 numbers, found 3: p.txt:2");
         assert_eq!(
             message("1 0 0 0 0 1 0 0 0 0 2 0"),
-            "pose: expected a rotation matrix, found rows that are 3.0e0 from orthonormal, determinant 2.0000: p.txt:1"
+            "pose: expected a rotation matrix, found rows that are 3.0e0 from orthonormal, \
+             determinant 2.0000: p.txt:1"
         );
         assert!(message(&format!("{good}\n{good}")).ends_with("p.txt:2"));
         assert!(message("1 0 0 nan 0 1 0 0 0 0 1 0").contains("a finite number, found \"nan\""));

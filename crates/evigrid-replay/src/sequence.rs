@@ -1,9 +1,9 @@
-use evigrid_core::{Frame, Pose, StereoRig};
+use evigrid_core::{Frame, Mounting, Pose, StereoRig};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::ReplayError;
 
-/// What a recording says of itself before any frame is read.
+/// Facts that a recording tells of itself before any frame is read.
 #[derive(Debug, Clone)]
 pub struct SequenceInfo {
     /// Name of the recording, used in tables and file names, e.g. `2011_09_26_drive_0013`.
@@ -12,14 +12,16 @@ pub struct SequenceInfo {
     pub layout: &'static str,
     /// The rig of all frames.
     pub rig: StereoRig,
+    /// How the left camera stands over the ground; `None` if the data set does not tell.
+    pub mounting: Option<Mounting>,
     /// How many frames there are; frame numbers are `0..frame_count`.
     pub frame_count: usize,
 }
 
-/// A recording with random access to its frames, so that they can be prefetched, strided and cut. Nothing is kept
-/// between calls: memory does not grow with the length of the recording.
+/// A recording with random access to its frames, so that they can be prefetched, strided and cut. Nothing is
+/// kept between calls: memory does not grow with the length of the recording.
 pub trait Sequence: Send + Sync {
-    /// What the recording says of itself.
+    /// Facts that the recording tells of itself.
     fn info(&self) -> &SequenceInfo;
 
     /// Pose of the left camera of frame `index` in the recording's own world, whose z axis points up.
@@ -35,8 +37,8 @@ pub trait Sequence: Send + Sync {
     fn frame(&self, index: usize, map_from_world: &Pose) -> Result<Frame, ReplayError>;
 }
 
-/// The map frame of a run: gravity-aligned, origin at the left camera of the first used frame, x along that camera's
-/// horizontal heading.
+/// The map frame of a run: gravity-aligned, origin at the left camera of the first used frame, x along that
+/// camera's horizontal heading.
 pub fn map_from_world(world_from_first_left: &Pose) -> Pose {
     let forward = world_from_first_left.rotation * Vector3::z();
     let yaw = forward.y.atan2(forward.x);

@@ -5,7 +5,8 @@ use jiff::tz::TimeZone;
 
 use crate::text::{Fault, excerpt, number};
 
-/// Nanoseconds since 1970-01-01 UTC of lines such as `2011-09-26 13:10:51.174740992` (taken as UTC), one per frame.
+/// Nanoseconds since 1970-01-01 UTC of lines such as `2011-09-26 13:10:51.174740992` (taken as UTC), one per
+/// frame.
 pub(crate) fn parse_dates(text: &str) -> Result<Vec<i64>, Fault> {
     parse_lines(text, |line| {
         let date = DateTime::strptime("%Y-%m-%d %H:%M:%S%.f", line).ok();
@@ -28,7 +29,8 @@ pub(crate) fn parse_seconds(text: &str) -> Result<Vec<i64>, Fault> {
     })
 }
 
-/// One value per line. Empty lines are allowed at the end alone: anywhere else they would shift all that follow.
+/// One value per line. Empty lines are allowed at the end alone: anywhere else they would shift all that
+/// follow.
 fn parse_lines<T>(text: &str, parse: impl Fn(&str) -> Result<T, Fault>) -> Result<Vec<T>, Fault> {
     let lines = text.trim_end().lines().enumerate();
     lines.map(|(index, line)| parse(line.trim()).map_err(|fault| fault.on_line(index + 1))).collect()
@@ -72,7 +74,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_text_is_read_without_panic(text in "\\PC*|[-0-9: .\n]*|[0-9]{4}-[0-9]{2}-[0-9]{2} [0-9:.]{8,20}\n") {
+        fn any_text_is_read_without_panic(
+            text in "\\PC*|[-0-9: .\n]*|[0-9]{4}-[0-9]{2}-[0-9]{2} [0-9:.]{8,20}\n"
+        ) {
             let _ = (parse_dates(&text), parse_seconds(&text));
         }
     }

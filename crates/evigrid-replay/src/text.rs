@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::ReplayError;
 
-/// What is wrong with the content of a file, before the file's name is known: parsers see bytes, not paths.
+/// A fault in the content of a file, before the file's name is known: parsers see bytes, not paths.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fault {
     what: String,
@@ -19,17 +19,17 @@ impl Fault {
         Self { what: what.into(), expected: expected.into(), found: found.into(), place: String::new() }
     }
 
-    /// The same fault on line `line`, counted from 1.
+    /// Places the fault on line `line`, counted from 1.
     pub fn on_line(self, line: usize) -> Self {
         Self { place: format!(":{line}"), ..self }
     }
 
-    /// The same fault at byte `byte`, counted from 0.
+    /// Places the fault at byte `byte`, counted from 0.
     pub fn at_byte(self, byte: usize) -> Self {
         Self { place: format!(" at byte {byte}"), ..self }
     }
 
-    /// The same fault, of the file it was found in.
+    /// Names the file in which the fault was found.
     pub fn of(self, path: &Path) -> ReplayError {
         let Self { what, expected, found, place } = self;
         ReplayError::Content { what, expected, found, path: path.to_owned(), place }

@@ -1,4 +1,5 @@
-//! The pose chain on real frames: 2011_09_26_drive_0013, from $EVIGRID_DATA or `../shared/data` beside the project.
+//! The pose chain on real frames: 2011_09_26_drive_0013, from $EVIGRID_DATA or `../shared/data` beside the
+//! project.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::HashSet;
@@ -49,9 +50,10 @@ fn map_points(frame: &Frame) -> Vec<Point3<f64>> {
 fn the_car_drives_straight_on_for_as_far_as_its_gps_says() {
     let Some(drive) = Drive::open() else { return };
     let end = drive.map_from_world * drive.sequence.world_from_left(39).unwrap();
-    // By hand, from the first and last packet: 0.000391983827 degrees north (43.635 m), 0.000169760908 degrees west
-    // (12.396 m at latitude 49.01314); along the first yaw of 1.8456953 rad that is 45.36 m, across it 0.09 m; the
-    // altitude grows by 0.364 m. The camera is 1.1 m in front of the IMU and turns with it by 0.25 degrees.
+    // By hand, from the first and last packet: 0.000391983827 degrees north (43.635 m), 0.000169760908
+    // degrees west (12.396 m at latitude 49.01314); along the first yaw of 1.8456953 rad that is 45.36 m,
+    // across it 0.09 m; the altitude grows by 0.364 m. The camera is 1.1 m in front of the IMU and turns with
+    // it by 0.25 degrees.
     let moved = end.translation.vector;
     assert!(
         (moved.x - 45.36).abs() < 0.05 && moved.y.abs() < 0.3 && (moved.z - 0.364).abs() < 0.1,
@@ -67,7 +69,8 @@ fn the_car_drives_straight_on_for_as_far_as_its_gps_says() {
 fn the_laser_stands_where_it_is_mounted() {
     let Some(drive) = Drive::open() else { return };
     let frame = drive.frame(0);
-    // The set-up drawing of KITTI: the laser is 0.27 m behind the cameras, 1.73 m above the ground, the cameras 1.65 m.
+    // The set-up drawing of KITTI: the laser is 0.27 m behind the cameras, 1.73 m above the ground, the
+    // cameras 1.65 m.
     let laser = laser_in_left(&frame);
     assert!((laser - Point3::new(0.0, -0.08, -0.27)).norm() < 0.03, "{laser}");
     let mut ground: Vec<f64> = map_points(&frame)
@@ -77,6 +80,8 @@ fn the_laser_stands_where_it_is_mounted() {
         .collect();
     let height = median(&mut ground);
     assert!((height + 1.65).abs() < 0.1, "{height}");
+    let mounting = drive.sequence.info().mounting.unwrap();
+    assert_eq!((mounting.height_m, mounting.pitch_rad), (1.65, 0.0));
 }
 
 #[test]
@@ -114,7 +119,8 @@ fn edges_of_the_laser_fall_on_edges_of_the_image() {
         frames.iter().map(|frame| edge_contrast(frame, &correction)).sum::<f64>() / frames.len() as f64
     };
     let found = mean(Isometry3::identity());
-    // Upright edges are missed when turned or shifted sideways: 0.7 degrees are 9 px. They say nothing of pitch.
+    // Upright edges are missed when turned or shifted sideways: 0.7 degrees are 9 px. They say nothing of
+    // pitch.
     for wrong in [
         turn(Vector3::y(), 0.7),
         turn(Vector3::y(), -0.7),
@@ -149,7 +155,7 @@ fn the_drive_and_the_pair_pass_the_check() {
 #[test]
 fn the_pair_is_a_frame() {
     let Some(dir) = folder("middlebury-cones") else { return };
-    assert_eq!(Layout::of(&dir).unwrap(), Layout::Middlebury);
+    assert_eq!(Layout::of(&dir).unwrap(), Layout::MIDDLEBURY);
     let frame = open(&dir).unwrap().frame(0, &Pose::identity()).unwrap();
     assert_eq!((frame.left().width(), frame.left().height()), (450, 375));
 }
@@ -197,8 +203,9 @@ fn cell(p: &Point3<f64>) -> [i64; 3] {
     [p.x, p.y, p.z].map(|v| (v / 0.2).floor() as i64)
 }
 
-/// Mean contrast of the left image at points of the scan that stand at least 0.5 m in front of the point recorded
-/// before or after them: the silhouettes (Levinson and Thrun, RSS 2013, use this to watch a calibration).
+/// Mean contrast of the left image at points of the scan that stand at least 0.5 m in front of the point
+/// recorded before or after them: the silhouettes (Levinson and Thrun, RSS 2013, use this to watch a
+/// calibration).
 fn edge_contrast(frame: &Frame, correction: &Isometry3<f64>) -> f64 {
     let left_from_map = correction * frame.map_from_left().inverse();
     let points = map_points(frame);

@@ -61,7 +61,7 @@ impl Series {
 /// An axis.
 #[derive(Debug, Clone, Default)]
 pub struct Axis {
-    /// What it shows, with unit.
+    /// Name of the quantity, with unit.
     pub label: String,
     /// Its ends.
     pub range: [f64; 2],

@@ -1,12 +1,12 @@
 //! How hard image pairs are to match: block matching against the true disparity.
 
 use anyhow::Result;
-use evigrid_core::{Disparity, Frame};
+use evigrid_core::{Disparity, Frame, MatchFilter, MatchLimits};
 use evigrid_metrics::MatchingScores;
 use evigrid_stereo::{BlockMatcher, BlockMatchingSettings};
 
-/// A measurement off by more than this is wrong, pixels. A laser projected into an image is hardly better than the
-/// first one itself, so the second says more of real data.
+/// A measurement off by more than this is wrong, pixels. A laser projected into an image is hardly better
+/// than the first one itself, so the second says more of real data.
 pub const TOLERANCES_PX: [f32; 2] = [1.0, 3.0];
 
 /// Pixels and scores, summed over frames.
@@ -56,9 +56,7 @@ impl CheckedMatcher {
     /// The disparity of a pair, NaN where the check fails.
     pub fn run(&mut self, frame: &Frame) -> Result<Disparity> {
         let matches = self.0.run(frame.left(), frame.right(), false, None)?.matches;
-        let checked = matches.disparity.values().iter().zip(&matches.left_right_difference_px);
-        let values = checked.map(|(&d, &difference)| if difference <= 1 { d } else { f32::NAN }).collect();
-        Ok(Disparity::new(frame.rig().width, frame.rig().height, values)?)
+        Ok(MatchFilter::new(&matches, &MatchLimits::left_right(Some(1))).disparity()?)
     }
 }
 

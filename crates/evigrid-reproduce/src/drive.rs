@@ -7,7 +7,7 @@ use evigrid_replay::{Layout, datasets};
 
 use crate::job::Job;
 
-/// What is wanted first; the paper's own two are 2011_09_28_drive_0038 and _0045.
+/// The drive that is wanted first; the paper's own two are 2011_09_28_drive_0038 and _0045.
 pub const WANTED: &str = "2011_09_26_drive_0013";
 
 /// A KITTI raw drive that is there.
@@ -20,7 +20,7 @@ pub struct Drive {
 
 /// The wanted drive, else another that the project knows, else the first in the archive's layout.
 pub fn find(job: &Job<'_, '_>) -> Result<Option<Drive>> {
-    let mut known: Vec<_> = datasets()?.into_iter().filter(|d| d.layout == Layout::KittiRaw).collect();
+    let mut known: Vec<_> = datasets()?.into_iter().filter(|d| d.layout == Layout::KITTI_RAW).collect();
     known.sort_by_key(|d| d.id != WANTED);
     for data in known {
         let dir = data.dir_below(&job.folders.data);
@@ -35,7 +35,7 @@ pub fn find(job: &Job<'_, '_>) -> Result<Option<Drive>> {
     Ok(drive.map(|dir| Drive { dir, frames: "..".into() }))
 }
 
-/// The same, or that it is missing.
+/// Finds the drive, or fails with the message that it is missing.
 pub fn require(job: &Job<'_, '_>) -> Result<Drive> {
     find(job)?.ok_or_else(|| job.missing(WANTED))
 }

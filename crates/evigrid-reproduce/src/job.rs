@@ -10,7 +10,7 @@ use crate::chart::Sheet;
 use crate::table::csv_text;
 use crate::{Folders, Tools, write_file};
 
-/// What makes an item.
+/// The function that makes an item.
 pub type Make = fn(&mut Job<'_, '_>) -> Result<()>;
 
 /// Makes one item of a group or all of them; of all, those whose data are not there are left out and named.
@@ -133,7 +133,7 @@ impl<'a, 'b> Job<'a, 'b> {
         Ok(dir.exists().then_some((known, dir)))
     }
 
-    /// What to say where it is not.
+    /// The error of an item whose data set is not there.
     pub fn missing(&self, id: &str) -> anyhow::Error {
         let (Self { group, item, .. }, data) = (self, self.folders.data.display());
         Missing(format!(

@@ -35,7 +35,8 @@ pub struct Folders {
     pub out: PathBuf,
 }
 
-/// What the command lends, so that nothing here knows of terminals, the machine's clock or the recording's format.
+/// Tools that the command lends, so that nothing here knows of terminals, the machine's
+/// clock or the recording's format.
 pub struct Tools<'a> {
     /// Is told what is being done.
     pub report: &'a mut dyn FnMut(&str),
@@ -45,25 +46,48 @@ pub struct Tools<'a> {
     pub recorder: &'a dyn Fn(PathBuf) -> Result<Option<Box<dyn Observer>>>,
 }
 
-/// The groups there are.
-pub const GROUPS: [&str; 4] = ["worlds", "andert", "souza", "brandao"];
+/// A folder of the output, with everything that is made into it.
+#[derive(Clone, Copy)]
+pub struct Group {
+    /// Name of the group and of its folder.
+    pub name: &'static str,
+    /// Names of the items.
+    items: fn() -> Vec<&'static str>,
+    /// Makes one item, or all of them.
+    make: fn(Option<&str>, &Folders, &mut Tools<'_>) -> Result<Vec<PathBuf>>,
+}
+
+impl Group {
+    /// Names of the items, in the order in which they are made.
+    pub fn items(&self) -> Vec<&'static str> {
+        (self.items)()
+    }
+}
+
+impl std::fmt::Debug for Group {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Group").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+/// All groups: the one list.
+pub const GROUPS: &[Group] = &[worlds::GROUP, andert::GROUP, souza::GROUP, brandao::GROUP];
 
 /// Makes everything of a group, or one item of it (`GROUP/ITEM`), and names the files it wrote.
 ///
 /// # Errors
-/// If there is no such group or item, something cannot be read or written, or the data of the one item that was asked
-/// for are not there. Of a whole group such items are left out, and it is said which.
+/// If there is no such group or item, something cannot be read or written, or the data of the one item that
+/// was asked for are not there. Of a whole group such items are left out, and it is said which.
 pub fn reproduce(name: &str, folders: &Folders, tools: &mut Tools<'_>) -> Result<Vec<PathBuf>> {
     let (group, item) = match name.split_once('/') {
         Some((group, item)) => (group, Some(item)),
         None => (name, None),
     };
-    match group {
-        "worlds" => worlds::reproduce(item, folders, tools.report),
-        "andert" => andert::reproduce(item, folders, tools),
-        "souza" => souza::reproduce(item, folders, tools),
-        "brandao" => brandao::reproduce(item, folders, tools),
-        _ => bail!("reproduce: unknown group `{group}`{}", name_hint(group, GROUPS)),
+    match GROUPS.iter().find(|known| known.name == group) {
+        Some(known) => (known.make)(item, folders, tools),
+        None => {
+            bail!("reproduce: unknown group `{group}`{}", name_hint(group, GROUPS.iter().map(|g| g.name)))
+        }
     }
 }
 

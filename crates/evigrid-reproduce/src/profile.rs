@@ -28,7 +28,7 @@ pub struct Profile {
     pub obstacle: Obstacle,
 }
 
-/// What a profile is known by.
+/// The numbers that a profile is known by.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Landmarks {
     /// P at the measured range, and far in front of it.

@@ -3,16 +3,17 @@
 use std::io::Cursor;
 
 use anyhow::Result;
+use evigrid_grid::SafetyLabel;
 use evigrid_replay::map_from_world;
-use evigrid_synth::{SafetyLabel, SafetySettings, SafetyTruth, World};
+use evigrid_synth::{SafetySettings, SafetyTruth, World};
 use image::{GrayImage, ImageFormat, Luma};
 
 /// Edge of a cell in the picture, pixels.
 const CELL: u32 = 2;
 const GAP: u32 = 8;
 
-/// A PNG: white level, light grey inclined, black non-ground, dark grey unknown; each robot starts at the bottom and
-/// looks up.
+/// A PNG: white level, light grey inclined, black non-ground, dark grey unknown; each robot
+/// starts at the bottom and looks up.
 pub fn safety_maps() -> Result<Vec<u8>> {
     let maps = World::builtin_names().filter(|name| name.starts_with("safety-")).map(safety_map);
     let maps = maps.collect::<Result<Vec<_>>>()?;

@@ -1,5 +1,6 @@
-//! The table and the pictures of docs/synthetic.md: every built-in world, and how hard it is to match beside real
-//! data. An item is a built-in world or a world's TOML file: its picture alone, and its row of the table.
+//! The table and the pictures of docs/synthetic.md: every built-in world, and how hard it is to
+//! match beside real data. An item is a built-in world or a world's TOML file: its picture
+//! alone, and its row of the table.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -12,7 +13,7 @@ use evigrid_synth::{LeftViewTruth, SyntheticSequence, World};
 use crate::difficulty::{CheckedMatcher, Difficulty};
 use crate::picture::stereo_panels;
 use crate::safety_maps::safety_maps;
-use crate::{Folders, write_file};
+use crate::{Folders, Group, write_file};
 
 /// One line of the table.
 struct Row {
@@ -39,11 +40,14 @@ const REAL: [(&str, &str, &[usize]); 2] = [
     ("middlebury-cones", "truth: structured light", &[0]),
 ];
 
-pub fn reproduce(
-    item: Option<&str>,
-    folders: &Folders,
-    report: &mut dyn FnMut(&str),
-) -> Result<Vec<PathBuf>> {
+/// The group of the built-in worlds.
+pub const GROUP: Group = Group {
+    name: "worlds",
+    items: || World::builtin_names().collect(),
+    make: |item, folders, tools| reproduce(item, folders, tools.report),
+};
+
+fn reproduce(item: Option<&str>, folders: &Folders, report: &mut dyn FnMut(&str)) -> Result<Vec<PathBuf>> {
     let out = folders.out.join("worlds");
     let mut matcher = CheckedMatcher::new()?;
     let mut files = Vec::new();
@@ -151,7 +155,8 @@ fn csv_table(rows: &[Row]) -> Result<String> {
 
 fn markdown_table(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| world | rig, or where the truth comes from | frames | valid, % | of these off by > 1 px, % | > 3 px, % |\n\
+        "| world | rig, or where the truth comes from | frames | valid, % | of these off by > 1 px, % | > 3 \
+         px, % |\n\
          | --- | --- | --- | --- | --- | --- |\n",
     );
     for Row { name, what, frames, difficulty } in rows {

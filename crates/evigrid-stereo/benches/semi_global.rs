@@ -1,4 +1,5 @@
-//! Semi-global matching time: block costs, 8 or 4 paths, winner, sub-pixel part, peak ratio and left-right difference.
+//! Semi-global matching time: block costs, 8 or 4 paths, winner, sub-pixel part, peak ratio and left-right
+//! difference.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod common;

@@ -1,27 +1,29 @@
 //! Matchers: from a rectified stereo pair to disparities, confidences and the cost volume.
+//!
+//! [`Matcher`] is the way in: it runs the matcher that [`StereoSettings`] name, and the filters before and
+//! after it. A new matcher is a type that implements [`PairMatcher`]; it is named here and in `matchers.rs`,
+//! nowhere else.
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
-mod block_matcher;
+mod block;
+mod buffers;
 mod error;
 mod graph_cuts;
 mod matcher;
-mod matching;
+mod matchers;
+mod pair_matcher;
 mod post_filter;
 mod pre_filter;
-mod rows;
 mod semi_global;
-mod settings;
-mod stereo_settings;
 mod winner;
 
-pub use block_matcher::BlockMatcher;
+pub use block::{BlockMatcher, BlockMatchingSettings};
 pub use error::StereoError;
 pub use graph_cuts::{GraphCutMatcher, GraphCutSettings};
 pub use matcher::Matcher;
-pub use matching::Matching;
+pub use matchers::{MatcherKind, StereoSettings};
+pub use pair_matcher::{Extras, PairMatcher};
 pub use post_filter::{drop_matches, speckles};
 pub use pre_filter::{PreFilter, texture};
 pub use semi_global::{PixelCost, SemiGlobalMatcher, SemiGlobalSettings};
-pub use settings::BlockMatchingSettings;
-pub use stereo_settings::{CostUnit, MatcherKind, StereoSettings};

@@ -1,24 +1,18 @@
 use std::borrow::Cow;
 
-use evigrid_core::GrayImage;
+use evigrid_core::{GrayImage, Matching};
 
-use crate::{
-    BlockMatcher, GraphCutMatcher, MatcherKind, Matching, PreFilter, SemiGlobalMatcher, StereoError,
-    StereoSettings, drop_matches, speckles, texture,
-};
+use crate::error::StereoError;
+use crate::matchers::StereoSettings;
+use crate::pair_matcher::{Extras, PairMatcher};
+use crate::post_filter::{drop_matches, speckles};
+use crate::pre_filter::{PreFilter, texture};
 
 /// The matcher that settings name, with its filters.
 #[derive(Debug)]
 pub struct Matcher {
     settings: StereoSettings,
-    algorithm: Algorithm,
-}
-
-#[derive(Debug)]
-enum Algorithm {
-    Block(BlockMatcher),
-    SemiGlobal(Box<SemiGlobalMatcher>),
-    GraphCuts(GraphCutMatcher),
+    pair_matcher: Box<dyn PairMatcher>,
 }
 
 impl Matcher {
@@ -28,42 +22,25 @@ impl Matcher {
     /// If a setting is outside its domain.
     pub fn new(settings: StereoSettings) -> Result<Self, StereoError> {
         let settings = settings.checked()?;
-        let percent = settings.uniqueness_percent as u32;
-        let algorithm = match settings.matcher {
-            MatcherKind::Block => {
-                Algorithm::Block(BlockMatcher::new(settings.block())?.with_uniqueness(percent))
-            }
-            MatcherKind::SemiGlobal => {
-                let StereoSettings { semi_global, min_disparity, disparities, .. } = settings;
-                let matcher = SemiGlobalMatcher::new(semi_global, min_disparity, disparities)?;
-                Algorithm::SemiGlobal(Box::new(matcher.with_uniqueness(percent)))
-            }
-            MatcherKind::GraphCuts => {
-                let StereoSettings { graph_cuts, min_disparity, disparities, .. } = settings;
-                Algorithm::GraphCuts(GraphCutMatcher::new(graph_cuts, min_disparity, disparities)?)
-            }
-        };
-        Ok(Self { settings, algorithm })
+        Ok(Self { pair_matcher: settings.pair_matcher()?, settings })
     }
 
-    /// Matches a pair: pre-filter, matcher, post-filters. `keep_volume` keeps all costs, if the matcher has any;
-    /// `recycled` is the result of an earlier frame, whose buffers are filled again. The result does not depend on the number of threads.
+    /// Matches a pair: pre-filter, matcher, post-filters. Of the `wanted` extras come those that the matcher
+    /// offers ([`MatcherKind::offers`](crate::MatcherKind::offers)), without post-filters. `recycled` is the
+    /// result of an earlier frame, whose buffers are filled again. The result does not depend on the number
+    /// of threads.
     ///
     /// # Errors
-    /// If the images differ in size or are smaller than the window of block matching or too large for graph cuts.
+    /// If the images differ in size, or the matcher cannot match images of their size.
     pub fn run(
         &mut self,
         left: &GrayImage,
         right: &GrayImage,
-        keep_volume: bool,
+        wanted: Extras,
         recycled: Option<Matching>,
     ) -> Result<Matching, StereoError> {
         let (filtered_left, filtered_right) = (self.pre_filtered(left)?, self.pre_filtered(right)?);
-        let matching = match &mut self.algorithm {
-            Algorithm::Block(m) => m.run(&filtered_left, &filtered_right, keep_volume, recycled)?,
-            Algorithm::SemiGlobal(m) => m.run(&filtered_left, &filtered_right, keep_volume, recycled)?,
-            Algorithm::GraphCuts(m) => m.run(&filtered_left, &filtered_right, recycled)?,
-        };
+        let matching = self.pair_matcher.run(&filtered_left, &filtered_right, wanted, recycled)?;
         self.post_filtered(left, matching)
     }
 
@@ -75,19 +52,18 @@ impl Matcher {
         })
     }
 
-    /// Drops matches without texture, then speckles of what is left.
-    fn post_filtered(&self, left: &GrayImage, matching: Matching) -> Result<Matching, StereoError> {
-        let Matching { mut matches, volume } = matching;
+    /// Drops matches without texture, then speckles among the rest.
+    fn post_filtered(&self, left: &GrayImage, mut matching: Matching) -> Result<Matching, StereoError> {
         let s = &self.settings;
         if s.texture_threshold > 0 {
             let texture = texture(left, s.pre_filter_cap, s.window)?;
             let flat: Vec<bool> = texture.iter().map(|&sum| (sum as usize) < s.texture_threshold).collect();
-            matches = drop_matches(matches, &flat)?;
+            matching.matches = drop_matches(matching.matches, &flat)?;
         }
         if s.speckle_pixels > 0 {
-            let speckles = speckles(&matches.disparity, s.speckle_pixels, s.speckle_step_px);
-            matches = drop_matches(matches, &speckles)?;
+            let speckles = speckles(&matching.matches.disparity, s.speckle_pixels, s.speckle_step_px);
+            matching.matches = drop_matches(matching.matches, &speckles)?;
         }
-        Ok(Matching { matches, volume })
+        Ok(matching)
     }
 }

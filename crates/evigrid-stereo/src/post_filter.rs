@@ -1,5 +1,5 @@
-//! What is done to matches, whatever matcher they come from. A match that is dropped looks as if there had never been
-//! one: disparity and peak ratio NaN, left-right difference `u16::MAX`.
+//! Filters of matches, whatever matcher they come from. A match that is dropped looks as if there had never
+//! been one: disparity and peak ratio NaN, left-right difference `u16::MAX`.
 
 use evigrid_core::{CoreError, Disparity, Matches};
 
@@ -18,9 +18,9 @@ pub fn drop_matches(matches: Matches, drop: &[bool]) -> Result<Matches, CoreErro
     Ok(Matches { disparity, peak_ratio, left_right_difference_px: left_right })
 }
 
-/// Which pixels are speckles, row-major: those of connected regions of at most `max_pixels` pixels. Two of the four
-/// neighbours of a pixel are connected if both have a disparity and these differ by at most `max_step_px`. (The rule of
-/// OpenCV's `filterSpeckles`.)
+/// Finds the pixels of speckles, row-major: those of connected regions of at most `max_pixels` pixels. Two of
+/// the four neighbours of a pixel are connected if both have a disparity and these differ by at most
+/// `max_step_px`. (The rule of OpenCV's `filterSpeckles`.)
 pub fn speckles(disparity: &Disparity, max_pixels: usize, max_step_px: f32) -> Vec<bool> {
     let values = disparity.values();
     let mut speckle = vec![false; values.len()];

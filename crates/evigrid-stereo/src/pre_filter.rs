@@ -1,5 +1,6 @@
-//! What is done to the images before matching, so that brightness counts less and texture more (Souza et al. 2012,
-//! section 4.1: "a previous filtering of the images to normalize brightness and texture enhancement").
+//! Filters that the images go through before matching, so that brightness counts less and texture more (Souza
+//! et al. 2012, section 4.1: "a previous filtering of the images to normalize brightness and texture
+//! enhancement").
 
 use evigrid_core::{CoreError, GrayImage};
 use schemars::JsonSchema;
@@ -14,14 +15,14 @@ pub enum PreFilter {
     None,
     /// The horizontal Sobel response (OpenCV: PREFILTER_XSOBEL).
     SobelX,
-    /// The grey level minus the mean of a window, rounded down (as OpenCV's PREFILTER_NORMALIZED_RESPONSE, which also
-    /// blurs the first).
+    /// The grey level minus the mean of a window, rounded down (as OpenCV's PREFILTER_NORMALIZED_RESPONSE,
+    /// which also blurs the first).
     Normalized,
 }
 
 impl PreFilter {
-    /// The filtered image: responses clipped to `-cap ..= cap`, plus `cap` (at most 127). `window` (odd) is the edge of
-    /// the window of the mean; borders are repeated outwards. Without a filter, the image itself.
+    /// The filtered image: responses clipped to `-cap ..= cap`, plus `cap` (at most 127). `window` (odd) is
+    /// the edge of the window of the mean; borders are repeated outwards. Without a filter, the image itself.
     ///
     /// # Errors
     /// Never for an image.
@@ -48,7 +49,8 @@ impl PreFilter {
     }
 }
 
-/// The horizontal Sobel response of row `y`, clipped to `-cap ..= cap`, plus `cap`. The border is repeated outwards.
+/// The horizontal Sobel response of row `y`, clipped to `-cap ..= cap`, plus `cap`. The border is repeated
+/// outwards.
 pub(crate) fn sobel_x(image: &GrayImage, y: usize, cap: usize, out: &mut [u8]) {
     let (last_x, last_y) = (image.width() - 1, image.height() - 1);
     let [above, here, below] = [y.saturating_sub(1), y, (y + 1).min(last_y)].map(|y| image.row(y));
@@ -67,9 +69,9 @@ pub(crate) fn sobel_x(image: &GrayImage, y: usize, cap: usize, out: &mut [u8]) {
     }
 }
 
-/// Texture around every pixel, row-major: the sum over a window (odd edge) of the absolute horizontal Sobel response,
-/// clipped to `cap` (at most 127); grey levels. The border is repeated outwards. OpenCV compares it with
-/// `textureThreshold`.
+/// Texture around every pixel, row-major: the sum over a window (odd edge) of the absolute horizontal Sobel
+/// response, clipped to `cap` (at most 127); grey levels. The border is repeated outwards. OpenCV compares it
+/// with `textureThreshold`.
 ///
 /// # Errors
 /// Never for an image.

@@ -1,12 +1,13 @@
-//! The search along the cost curves of one row: winner, peak ratio, sub-pixel part, and the right image's winners.
+//! The search along the cost curves of one row: winner, peak ratio, sub-pixel part, and the right image's
+//! winners.
 
 use evigrid_core::NO_COST;
 
 /// Pixels that are searched side by side.
 pub(crate) const LANES: usize = 16;
 
-/// The costs of one row, `[disparity][column]`. Rows are `stride` long; the columns from the image's width on hold
-/// [`NO_COST`], so that the search may run over the edge.
+/// The costs of one row, `[disparity][column]`. Rows are `stride` long; the columns from the image's width on
+/// hold [`NO_COST`], so that the search may run over the edge.
 #[derive(Clone, Copy)]
 pub(crate) struct RowCosts<'a> {
     pub costs: &'a [u16],
@@ -14,7 +15,7 @@ pub(crate) struct RowCosts<'a> {
     pub disparities: usize,
 }
 
-/// What the search finds for [`LANES`] neighbouring pixels.
+/// Winners and minima of [`LANES`] neighbouring pixels.
 pub(crate) struct Winners {
     /// Index of the lowest cost; ties go to the smaller disparity.
     pub index: [u16; LANES],
@@ -31,8 +32,9 @@ impl RowCosts<'_> {
         self.costs[start..start + LANES].first_chunk().unwrap_or(&[NO_COST; LANES])
     }
 
-    /// Winners and the two lowest local minima of the pixels `x .. x + LANES`. The ends of a curve may be minima, and
-    /// a plateau counts once: a minimum ends where the cost strictly rises after its last strict change was a fall.
+    /// Winners and the two lowest local minima of the pixels `x .. x + LANES`. The ends of a curve may be
+    /// minima, and a plateau counts once: a minimum ends where the cost strictly rises after its last strict
+    /// change was a fall.
     #[inline(always)]
     pub fn search(&self, x: usize) -> Winners {
         let mut before = [NO_COST; LANES];
@@ -61,8 +63,8 @@ impl RowCosts<'_> {
         Winners { index, first, second }
     }
 
-    /// Index of the lowest cost of the RIGHT image's pixels `x .. x + LANES`, whose match in the left image lies
-    /// `min_disparity + index` columns to the right; `u16::MAX` where there is none.
+    /// Index of the lowest cost of the RIGHT image's pixels `x .. x + LANES`, whose match in the left image
+    /// lies `min_disparity + index` columns to the right; `u16::MAX` where there is none.
     #[inline(always)]
     pub fn search_right(&self, x: usize, min_disparity: usize) -> [u16; LANES] {
         let (mut index, mut lowest) = ([u16::MAX; LANES], [NO_COST; LANES]);
@@ -76,8 +78,8 @@ impl RowCosts<'_> {
         index
     }
 
-    /// Lowest cost of each of the pixels `x .. x + LANES` among the hypotheses that are neither its winner (`index`) nor
-    /// a neighbour of that; [`NO_COST`] if there is none.
+    /// Lowest cost of each of the pixels `x .. x + LANES` among the hypotheses that are neither its winner
+    /// (`index`) nor a neighbour of that; [`NO_COST`] if there is none.
     #[inline(always)]
     pub fn runners_up(&self, x: usize, index: &[u16; LANES]) -> [u16; LANES] {
         let mut lowest = [NO_COST; LANES];
@@ -91,22 +93,22 @@ impl RowCosts<'_> {
         lowest
     }
 
-    /// Offset of the vertex of the parabola through the winner and its two neighbours, within -0.5..0.5; 0 where a
-    /// neighbour is missing or the three are equal.
+    /// Offset of the vertex of the parabola through the winner and its two neighbours, within -0.5..0.5; 0
+    /// where a neighbour is missing or the three are equal.
     #[inline(always)]
     pub fn vertex(&self, x: usize, index: usize) -> f32 {
         if index == 0 || index + 1 == self.disparities {
             return 0.0;
         }
         let at = |d: usize| self.costs[d * self.stride + x];
-        parabola_vertex([at(index - 1), at(index), at(index + 1)])
+        parabola_vertex(at(index - 1), at(index), at(index + 1))
     }
 }
 
-/// Offset of the vertex of the parabola through three neighbouring costs, the middle one the lowest; 0 where one of them
-/// is missing or the three are equal.
+/// Offset of the vertex of the parabola through three neighbouring costs, the middle one the lowest; 0 where
+/// one of them is missing or the three are equal.
 #[inline(always)]
-pub(crate) fn parabola_vertex([before, cost, after]: [u16; 3]) -> f32 {
+pub(crate) fn parabola_vertex(before: u16, cost: u16, after: u16) -> f32 {
     if before == NO_COST || after == NO_COST {
         return 0.0;
     }

@@ -1,8 +1,11 @@
 //! The block matcher against a slow, obvious twin that follows the definitions word for word.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-use evigrid_core::{GrayImage, NO_COST};
-use evigrid_stereo::{BlockMatcher, BlockMatchingSettings, Matching};
+mod common;
+
+use common::pair;
+use evigrid_core::{GrayImage, Matching, NO_COST};
+use evigrid_stereo::{BlockMatcher, BlockMatchingSettings};
 use proptest::prelude::*;
 
 /// Cost curve of one pixel: `None` where the window does not lie in both images.
@@ -95,24 +98,6 @@ fn check_pixel(
         .collect();
     let difference = winner(&right_curve).unwrap().abs_diff(best);
     assert_eq!(usize::from(out.matches.left_right_difference_px[at]), difference, "({x}, {y})");
-}
-
-/// A textured right image and a left image that is it, shifted, with noise: some structure and many ties.
-fn pair(width: usize, height: usize, shift: usize, grey_levels: u8, seed: u64) -> (GrayImage, GrayImage) {
-    let mut state = seed | 1;
-    let mut random = move || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 33) as u8
-    };
-    let step = 255 / grey_levels.max(1);
-    let right: Vec<u8> = (0..width * height).map(|_| random() % (grey_levels + 1) * step).collect();
-    let left = (0..width * height)
-        .map(|i| {
-            let (x, y) = (i % width, i / width);
-            if random() % 8 == 0 { random() } else { right[y * width + x.saturating_sub(shift)] }
-        })
-        .collect();
-    (GrayImage::new(width, height, left).unwrap(), GrayImage::new(width, height, right).unwrap())
 }
 
 fn check(s: BlockMatchingSettings, left: &GrayImage, right: &GrayImage) {

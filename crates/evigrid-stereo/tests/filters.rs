@@ -1,12 +1,15 @@
 //! Pre- and post-filters against slow, obvious twins.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-use evigrid_core::{Disparity, GrayImage, NO_COST};
+use evigrid_core::{CostScale, Disparity, GrayImage, Matching, NO_COST};
 use evigrid_stereo::{
-    BlockMatcher, BlockMatchingSettings, Matcher, MatcherKind, PreFilter, SemiGlobalMatcher, StereoSettings,
-    speckles, texture,
+    BlockMatcher, BlockMatchingSettings, Extras, GraphCutMatcher, GraphCutSettings, Matcher, MatcherKind,
+    PreFilter, SemiGlobalMatcher, SemiGlobalSettings, StereoSettings, speckles, texture,
 };
 use proptest::prelude::*;
+
+/// Asks for the cost volume.
+const COSTS: Extras = Extras { costs: true, road: false };
 
 fn random(seed: u64) -> impl FnMut() -> u8 {
     let mut state = seed | 1;
@@ -123,18 +126,53 @@ proptest! {
 fn without_filters_the_named_matcher_is_the_matcher() {
     let (left, right) = (image(60, 20, 1), image(60, 20, 2));
     let settings = StereoSettings { disparities: 20, ..Default::default() };
-    let bits = |m: &evigrid_stereo::Matching| -> Vec<u32> {
-        m.matches.disparity.values().iter().map(|v| v.to_bits()).collect()
-    };
+    let bits =
+        |m: &Matching| -> Vec<u32> { m.matches.disparity.values().iter().map(|v| v.to_bits()).collect() };
     let block = BlockMatcher::new(settings.block()).unwrap().run(&left, &right, true, None).unwrap();
-    let named = Matcher::new(settings).unwrap().run(&left, &right, true, None).unwrap();
+    let named = Matcher::new(settings).unwrap().run(&left, &right, COSTS, None).unwrap();
     assert_eq!((bits(&named), &named.volume), (bits(&block), &block.volume));
     let semi_global = StereoSettings { matcher: MatcherKind::SemiGlobal, ..settings };
-    let named = Matcher::new(semi_global).unwrap().run(&left, &right, true, Some(named)).unwrap();
+    let named = Matcher::new(semi_global).unwrap().run(&left, &right, COSTS, Some(named)).unwrap();
     let mut plain = SemiGlobalMatcher::new(settings.semi_global, 0, 20).unwrap();
     let plain = plain.run(&left, &right, true, None).unwrap();
     assert_eq!((bits(&named), &named.volume), (bits(&plain), &plain.volume));
-    assert_eq!((settings.cost_unit().pixels, semi_global.cost_unit().pixels), (49.0, 25.0));
+    let graph_cuts = StereoSettings { matcher: MatcherKind::GraphCuts, ..settings };
+    let named = Matcher::new(graph_cuts).unwrap().run(&left, &right, COSTS, Some(named)).unwrap();
+    let plain = GraphCutMatcher::new(settings.graph_cuts, 0, 20).unwrap();
+    let plain = plain.run(&left, &right, None).unwrap();
+    assert_eq!((bits(&named), &named.volume), (bits(&plain), &plain.volume));
+}
+
+#[test]
+fn matchers_give_the_extras_that_they_offer_and_no_others() {
+    let (left, right) = (image(60, 20, 1), image(60, 20, 2));
+    for matcher in MatcherKind::ALL {
+        let settings = StereoSettings { matcher, disparities: 20, ..Default::default() };
+        let run = |wanted| Matcher::new(settings).unwrap().run(&left, &right, wanted, None).unwrap();
+        let all = run(Extras { costs: true, road: true });
+        let given = Extras { costs: all.volume.is_some(), road: all.road.is_some() };
+        assert_eq!(given, matcher.offers(), "{}", matcher.name());
+        let plain = run(Extras::default());
+        assert!(plain.volume.is_none() && plain.road.is_none(), "{}", matcher.name());
+    }
+}
+
+#[test]
+fn volumes_carry_the_unit_of_their_costs() {
+    let (left, right) = (image(60, 20, 1), image(60, 20, 2));
+    let scale = |settings| {
+        let volume = Matcher::new(settings).unwrap().run(&left, &right, COSTS, None).unwrap().volume;
+        volume.unwrap().scale()
+    };
+    let block = StereoSettings { disparities: 20, ..Default::default() };
+    assert_eq!(scale(block), CostScale { window_pixels: 49.0, grey_levels: 1.0 });
+    let large = StereoSettings { window: 17, ..block };
+    assert_eq!(scale(large), CostScale { window_pixels: 289.0, grey_levels: 2.0 });
+    let semi_global = StereoSettings { matcher: MatcherKind::SemiGlobal, ..block };
+    assert_eq!(scale(semi_global), CostScale { window_pixels: 25.0, grey_levels: 1.0 });
+    let large = SemiGlobalSettings { block: 15, ..Default::default() };
+    let large = StereoSettings { semi_global: large, ..semi_global };
+    assert_eq!(scale(large), CostScale { window_pixels: 225.0, grey_levels: 4.0 });
 }
 
 #[test]
@@ -143,7 +181,7 @@ fn filters_of_the_named_matcher_drop_matches() {
     let base = StereoSettings { disparities: 20, ..Default::default() };
     let count = |settings| {
         let mut matcher = Matcher::new(settings).unwrap();
-        matcher.run(&left, &right, false, None).unwrap().matches.disparity.valid_count()
+        matcher.run(&left, &right, Extras::default(), None).unwrap().matches.disparity.valid_count()
     };
     let all = count(base);
     assert_eq!(count(StereoSettings { texture_threshold: 100_000, ..base }), 0);
@@ -162,19 +200,26 @@ fn the_named_pre_filter_is_applied_to_both_images() {
         let [l, r] = [&left, &right]
             .map(|image| pre_filter.apply(image, base.pre_filter_cap, base.pre_filter_window).unwrap());
         let expected = BlockMatcher::new(base.block()).unwrap().run(&l, &r, true, None).unwrap();
-        let found = Matcher::new(settings).unwrap().run(&left, &right, true, None).unwrap();
+        let found = Matcher::new(settings).unwrap().run(&left, &right, COSTS, None).unwrap();
         assert_eq!(found.volume, expected.volume);
-        let plain = Matcher::new(base).unwrap().run(&left, &right, true, None).unwrap();
+        let plain = Matcher::new(base).unwrap().run(&left, &right, COSTS, None).unwrap();
         assert_ne!(found.volume, plain.volume);
     }
 }
 
 #[test]
-fn more_costs_than_fit_are_refused() {
+fn pairs_that_are_too_large_are_refused() {
     let side = image(1024, 1024, 1);
     let mut matcher = SemiGlobalMatcher::new(Default::default(), 0, 4096).unwrap();
     let error = matcher.run(&side, &side, false, None).unwrap_err().to_string();
-    assert!(error.contains("expected at most 2147483648 costs, found 1024x1024 pixels with 4096"), "{error}");
+    assert_eq!(
+        error,
+        "semi-global matching: expected at most 2147483648 costs, found 1024x1024 pixels with 4096 disparities"
+    );
+    let side = image(4096, 1025, 1);
+    let matcher = GraphCutMatcher::new(GraphCutSettings::default(), 0, 16).unwrap();
+    let error = matcher.run(&side, &side, None).unwrap_err().to_string();
+    assert_eq!(error, "graph cuts: expected an image of at most 4194304 pixels, found 4096x1025");
 }
 
 #[test]
@@ -190,5 +235,14 @@ fn impossible_settings_are_refused() {
     assert_eq!(
         refuse(StereoSettings { speckle_step_px: f32::NAN, ..base }),
         "stereo.speckle_step_px: expected a finite number from 0, found NaN"
+    );
+    let lambda = GraphCutSettings { lambda: -1.0, ..Default::default() };
+    assert_eq!(
+        refuse(StereoSettings { graph_cuts: lambda, ..base }),
+        "stereo.graph_cuts.lambda: expected a number from 0 to 10000, found -1"
+    );
+    assert_eq!(
+        refuse(StereoSettings { window: 8, ..base }),
+        "stereo.window: expected an odd number from 1 to 255, found 8"
     );
 }

@@ -1,5 +1,5 @@
-//! Time to render a stereo pair of `safety-1` (two images of 640x480: 614400 primary rays), its true disparity, and a
-//! sweep of the street's 64-beam scanner.
+//! Time to render a stereo pair of `safety-1` (two images of 640x480: 614400 primary rays), its true
+//! disparity, and a sweep of the street's 64-beam scanner.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

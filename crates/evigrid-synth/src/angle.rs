@@ -24,8 +24,8 @@ pub fn tilt_down(degrees: f64) -> UnitQuaternion<f64> {
     turn(Vector3::y(), degrees)
 }
 
-/// The attitude of an object or a sensor: rolled about its x axis (right-handed: its left side rises), then pitched
-/// (its front rises), then turned about the vertical.
+/// The attitude of an object or a sensor: rolled about its x axis (right-handed: its left side rises), then
+/// pitched (its front rises), then turned about the vertical.
 pub fn attitude(yaw_deg: f64, pitch_deg: f64, roll_deg: f64) -> UnitQuaternion<f64> {
     yaw(yaw_deg) * tilt_down(-pitch_deg) * turn(Vector3::x(), roll_deg)
 }

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use crate::number::{Count, Finite, NonNegative, Positive, Share, vector};
 use crate::random::{Sensor, normal, stream};
-use crate::scene::Ray;
+use crate::ray::Ray;
 use crate::{SynthError, angle};
 
 /// A stereo rig and its place on the body as a world describes it.
@@ -33,7 +33,7 @@ pub struct StereoSpec {
     /// How far the cameras' left side is up.
     #[serde(default)]
     roll_deg: Finite,
-    /// What the cameras add to the light; nothing if it is not given.
+    /// Errors that the cameras add to the light; none if it is not given.
     #[serde(default)]
     pub noise: CameraNoiseSpec,
 }
@@ -48,11 +48,12 @@ pub struct CameraNoiseSpec {
     /// Shot noise: variance that every grey level of light adds, grey levels.
     #[serde(default)]
     shot_grey: NonNegative,
-    /// Share of the light that is lost in the corners; it grows with the square of the distance from the centre.
+    /// Share of the light that is lost in the corners; it grows with the square
+    /// of the distance from the centre.
     #[serde(default)]
     vignetting: Share,
-    /// Standard deviation of the change of exposure from one frame to the next, a share; the exposure is pulled
-    /// back by a twentieth of its deviation per frame. Both cameras share it.
+    /// Standard deviation of the change of exposure from one frame to the next, a share; the exposure is
+    /// pulled back by a twentieth of its deviation per frame. Both cameras share it.
     #[serde(default)]
     exposure_drift: Share,
 }

@@ -10,9 +10,9 @@ pub enum SynthError {
     Text {
         /// Line within the text, from 1.
         line: usize,
-        /// What stands there.
+        /// The line itself.
         found: String,
-        /// What is wrong with it.
+        /// The fault.
         reason: String,
     },
     /// Values that are possible one by one but not together.
@@ -20,9 +20,9 @@ pub enum SynthError {
     Value {
         /// The key at fault, e.g. `trajectory.waypoints`.
         key: String,
-        /// What would be possible.
+        /// The possible values.
         expected: String,
-        /// What was given.
+        /// The value that was given.
         found: String,
     },
     /// A built-in world that does not exist.
@@ -36,7 +36,7 @@ pub enum SynthError {
     /// A world's file that cannot be read or holds no world.
     #[error("{message} ({})", path.display())]
     File {
-        /// What is wrong.
+        /// The fault, in one line.
         message: String,
         /// The file.
         path: PathBuf,
@@ -58,7 +58,7 @@ impl SynthError {
         Self::Text { line: line + 1, found, reason }
     }
 
-    /// The same error with the line of its key in `text`, where that can be found.
+    /// Adds the line of the error's key in `text`, where that can be found.
     pub(crate) fn located(self, text: &str) -> Self {
         let Self::Value { key, .. } = &self else { return self };
         match offset_of(text, key) {
@@ -74,8 +74,9 @@ impl SynthError {
     }
 }
 
-/// Where the key `section.name` stands in a TOML text, or its section's header if the name does not. The section may
-/// have a number (`laser 1` is the second `[[laser]]`), and another key may follow after ` and `.
+/// Byte offset of the key `section.name` in a TOML text, or of its section's header if the name is
+/// not there. The section may have a number (`laser 1` is the second `[[laser]]`), and another key
+/// may follow after the word "and".
 fn offset_of(text: &str, key: &str) -> Option<usize> {
     let first = key.split(" and ").next().unwrap_or(key);
     let (section, name) = first.split_once('.').unwrap_or((first, ""));

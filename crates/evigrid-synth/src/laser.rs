@@ -9,11 +9,12 @@ use serde::Deserialize;
 
 use crate::number::{Count, Finite, NonNegative, Positive, Share, vector};
 use crate::random::{Sensor, normal, stream};
-use crate::scene::{Hint, Ray, Scene};
+use crate::ray::Ray;
+use crate::scene::{Hint, Scene};
 use crate::{SynthError, angle};
 
-/// A laser scanner as a world describes it: a planar one has one beam, others several at even elevations; it turns
-/// all around or over an opening angle about straight ahead, from right to left.
+/// A laser scanner as a world describes it: a planar one has one beam, others several at even elevations; it
+/// turns all around or over an opening angle about straight ahead, from right to left.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LaserSpec {
@@ -83,8 +84,8 @@ struct Azimuth {
     delay_s: f64,
 }
 
-/// What a sweep measured, in the frame that the scanner has when it looks straight ahead: x forward, y left, z up,
-/// metres.
+/// The points that a sweep measured, in the frame that the scanner has when it looks straight
+/// ahead: x forward, y left, z up, metres.
 #[derive(Debug, Clone, Default)]
 pub struct Sweep {
     /// Where the shots met a surface.
@@ -126,8 +127,8 @@ impl Laser {
     /// The scanner that `spec` describes; `key` names it in messages.
     ///
     /// # Errors
-    /// If its elevations are not in order within -90..90 degrees, its opening exceeds a full turn, or a sweep has
-    /// too many shots.
+    /// If its elevations are not in order within -90..90 degrees, its opening exceeds a full turn, or a sweep
+    /// has too many shots.
     pub fn new(spec: &LaserSpec, frame_rate_hz: f64, key: &str) -> Result<Self, SynthError> {
         let (top, bottom, opening) = (spec.top_deg.0, spec.bottom_deg.0, spec.opening_deg.0);
         if !(-90.0 <= bottom && bottom <= top && top <= 90.0) {
@@ -137,8 +138,8 @@ impl Laser {
         if opening > 360.0 {
             return Err(SynthError::value(format!("{key}.opening_deg"), "at most 360", opening));
         }
-        // Rounded, so that 360 / 0.4 gives 900 shots although 0.4 is no binary fraction. A full turn ends one step
-        // before where it began; an opening has a shot at either end.
+        // Rounded, so that 360 / 0.4 gives 900 shots although 0.4 is no binary fraction. A full turn ends one
+        // step before where it began; an opening has a shot at either end.
         let steps = opening / spec.step_deg.0 + 1e-6;
         let shots = if opening == 360.0 { steps } else { steps + 1.0 };
         if shots < 1.0 || shots * f64::from(spec.beams.0) > MAX_SHOTS {
@@ -177,8 +178,9 @@ impl Laser {
         time_before_s.is_none_or(|before| turns(time_s) > turns(before))
     }
 
-    /// One sweep: the points that gave an echo, beam by beam from the highest, each from right to left. Every shot
-    /// starts where the moving scanner is at its time; the scanner looks straight ahead at the frame's time.
+    /// One sweep: the points that gave an echo, beam by beam from the highest, each from right to
+    /// left. Every shot starts where the moving scanner is at its time; the scanner looks
+    /// straight ahead at the frame's time.
     pub fn sweep(&self, place: &Place<'_>) -> Sweep {
         let body = (place.world_from_body)(0.0);
         let world_from_reference = body * self.body_from_laser;

@@ -47,7 +47,8 @@ impl Material {
         }
     }
 
-    /// Mean grey of what a pixel with this footprint sees at the surface point (u, v), in full light; not bounded.
+    /// Mean grey of what a pixel with this footprint sees at the surface point (u,
+    /// v), in full light; not bounded.
     pub fn grey(&self, point: [f64; 2], footprint: &Footprint, seed: u32) -> f32 {
         let texture = if self.contrast == 0.0 {
             0.0

@@ -79,8 +79,9 @@ fn uniform(rng: &mut ChaCha8Rng, from: f64, to: f64) -> f64 {
 /// A random surface and a random point on it, 2 to 40 m ahead.
 type Draw = fn(&mut ChaCha8Rng) -> (Plane, [f64; 2]);
 
-/// Walls are seen at 18 degrees from their plane or more. At less the true footprints of the two cameras differ by
-/// some 10 percent in length, and with them the greys of strong patterns, however they are filtered.
+/// Walls are seen at 18 degrees from their plane or more. At less the true footprints of the
+/// two cameras differ by some 10 percent in length, and with them the greys of strong
+/// patterns, however they are filtered.
 const DRAWS: [(&str, Draw); 4] = [
     ("ground", |rng| {
         let x = uniform(rng, 2.0, 40.0);
@@ -91,8 +92,8 @@ const DRAWS: [(&str, Draw); 4] = [
     ("wall at 60 degrees", |rng| on_wall(rng, [0.75_f64.sqrt(), 0.5], [-0.7, 0.2])),
 ];
 
-/// A point on an upright wall whose level direction is (a, b, 0), 2 to 40 m ahead; its image column is uniform
-/// between the two given ones (left is positive, in focal lengths).
+/// A point on an upright wall whose level direction is (a, b, 0), 2 to 40 m ahead; its image column is
+/// uniform between the two given ones (left is positive, in focal lengths).
 fn on_wall(rng: &mut ChaCha8Rng, [a, b]: [f64; 2], [from, to]: [f64; 2]) -> (Plane, [f64; 2]) {
     let x = uniform(rng, 2.0, 40.0);
     let u = x * uniform(rng, from, to) / b;
@@ -118,8 +119,8 @@ fn both_cameras_see_the_same_grey_at_a_surface_point() {
     }
 }
 
-/// Over 40 m there are some 700 cells of the coarsest noise (1.5 m, grass), whose mean is about 14 / sqrt(700) = 0.5;
-/// the mean over 40000 points of deviation 85 (checks) is good to 0.43.
+/// Over 40 m there are some 700 cells of the coarsest noise (1.5 m, grass), whose mean is about 14 /
+/// sqrt(700) = 0.5; the mean over 40000 points of deviation 85 (checks) is good to 0.43.
 #[test]
 fn a_huge_footprint_shows_the_mean_of_a_material() {
     let point = Footprint { width_m: 1e-5, span_m: [0.0; 2] };

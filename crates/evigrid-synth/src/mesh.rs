@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::shape::{Contact, LocalRay};
+use crate::ray::{Contact, LocalRay};
 use crate::tree::Tree;
 
 /// Triangles in the local frame of a shape.
@@ -24,10 +24,12 @@ impl std::fmt::Debug for Mesh {
 }
 
 impl Mesh {
-    /// A mesh of vertices (metres) and triangles, each three vertex numbers from 0, anticlockwise seen from outside.
+    /// A mesh of vertices (metres) and triangles, each three vertex numbers from 0,
+    /// anticlockwise seen from outside.
     ///
     /// # Errors
-    /// If there are no triangles, or one names a vertex that does not exist or has no area; the message says which.
+    /// If there are no triangles, or one names a vertex that does not exist or has
+    /// no area; the message says which.
     pub fn new(vertices: Vec<Vector3<f64>>, triangles: Vec<[u32; 3]>) -> Result<Self, String> {
         if triangles.is_empty() {
             return Err("expected at least one triangle, found none".to_owned());
@@ -82,8 +84,8 @@ impl Mesh {
         self.triangles.len()
     }
 
-    /// Where the ray first meets a triangle, from either side, nearer than `max_m`. The normal is the triangle's
-    /// own for a closed mesh; an open one turns it against the ray.
+    /// Where the ray first meets a triangle, from either side, nearer than `max_m`. The normal is the
+    /// triangle's own for a closed mesh; an open one turns it against the ray.
     pub fn cast(&self, ray: &LocalRay, max_m: f64) -> Option<Contact> {
         let meet = |index: u32, _| cast_triangle(&self.triangle(index), ray);
         let (index, range_m) = self.tree.first(ray, max_m, None, meet)?;

@@ -1,17 +1,18 @@
 //! Fractal value noise over surface coordinates, filtered to the footprint of a pixel.
 
-/// What one pixel covers of a surface: a parallelogram of width `width_m`, stretched along `span_m`.
+/// The part of a surface that one pixel covers: a parallelogram of width `width_m`, stretched along `span_m`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Footprint {
     /// Across the viewing direction, metres.
     pub width_m: f64,
-    /// Along the direction in which the surface slants away, surface coordinates, metres; zero if seen face on.
+    /// Along the direction in which the surface slants away, surface
+    /// coordinates, metres; zero if seen face on.
     pub span_m: [f64; 2],
 }
 
 impl Footprint {
-    /// Lengths along the two surface coordinates, metres. Seen at an angle a from the normal, a square pixel covers
-    /// width / cos(a), and the span is width * tan(a): the root of the sum of the squares.
+    /// Lengths along the two surface coordinates, metres. Seen at an angle a from the normal, a square pixel
+    /// covers width / cos(a), and the span is width * tan(a): the root of the sum of the squares.
     pub fn extents(&self) -> [f64; 2] {
         self.span_m.map(|s| (self.width_m * self.width_m + s * s).sqrt())
     }
@@ -26,8 +27,8 @@ impl Footprint {
 /// How often an octave is sampled along the span of a slanted footprint.
 pub const TAPS: usize = 4;
 
-/// Standard deviation of one octave: lattice values are uniform on [-1, 1] (variance 1/3), and blending with the
-/// smooth step keeps 26/35 of the variance per axis.
+/// Standard deviation of one octave: lattice values are uniform on [-1, 1] (variance 1/3), and blending with
+/// the smooth step keeps 26/35 of the variance per axis.
 const OCTAVE_DEVIATION: f32 = 0.428_881;
 
 /// A sum of octaves of value noise, each half as coarse as the one before, with standard deviation 1.
@@ -38,8 +39,8 @@ pub struct FractalNoise {
 }
 
 impl FractalNoise {
-    /// Noise whose coarsest lattice has cells of `scale_m` metres; each of the `octaves` is `roughness` times as
-    /// strong as the one before.
+    /// Noise whose coarsest lattice has cells of `scale_m` metres; each of the `octaves` is `roughness` times
+    /// as strong as the one before.
     pub fn new(scale_m: f64, octaves: u32, roughness: f64) -> Self {
         let powers = std::iter::successors(Some(1.0), |a| Some(a * roughness));
         let raw: Vec<f64> = powers.take(octaves as usize).collect();
@@ -47,8 +48,8 @@ impl FractalNoise {
         Self { scale_m, amplitudes: raw.iter().map(|a| (a / deviation) as f32).collect() }
     }
 
-    /// The noise at (u, v), metres. Octaves too fine for the footprint fade out, so that two cameras that see the
-    /// same point agree on its grey.
+    /// The noise at (u, v), metres. Octaves too fine for the footprint fade out, so that two cameras that see
+    /// the same point agree on its grey.
     pub fn sample(&self, [u, v]: [f64; 2], footprint: &Footprint, seed: u32) -> f32 {
         let [span_u, span_v] = footprint.span_m;
         let stretch_m = (span_u * span_u + span_v * span_v).sqrt();
@@ -98,7 +99,8 @@ pub fn along_span(p: [f64; 2], span: [f64; 2]) -> [[f64; TAPS]; 2] {
     [0, 1].map(|axis| std::array::from_fn(|i| p[axis] + at(i) * span[axis]))
 }
 
-/// Value noise on the integer lattice, in [-1, 1], at several points at once (plain loops, for the vectoriser).
+/// Value noise on the integer lattice, in [-1, 1], at several points at once
+/// (plain loops, for the vectoriser).
 fn value_noise<const N: usize>(u: [f64; N], v: [f64; N], seed: u32) -> [f32; N] {
     let (mut i, mut j, mut wu, mut wv) = ([0; N], [0; N], [0.0; N], [0.0; N]);
     for k in 0..N {
@@ -116,9 +118,9 @@ fn value_noise<const N: usize>(u: [f64; N], v: [f64; N], seed: u32) -> [f32; N] 
     value
 }
 
-/// The whole part (the low bits of it, in two's complement) and the fractional part of a number. Adding 1.5 * 2^52
-/// leaves the nearest whole number in the low bits, which is much faster than a checked conversion. A whole number
-/// x may come out as (x - 1, 1) instead of (x, 0), which is the same place.
+/// The whole part (the low bits of it, in two's complement) and the fractional part of a number. Adding
+/// 1.5 * 2^52 leaves the nearest whole number in the low bits, which is much faster than a checked
+/// conversion. A whole number x may come out as (x - 1, 1) instead of (x, 0), which is the same place.
 pub fn split(x: f64) -> (u32, f32) {
     const SHIFT: f64 = 6_755_399_441_055_744.0;
     let shifted = (x - 0.5) + SHIFT;

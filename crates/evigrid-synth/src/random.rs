@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// What a random stream is for.
+/// The use of a random stream.
 #[derive(Debug, Clone, Copy)]
 pub enum Sensor {
     /// The left camera; a row is an image row.
@@ -30,8 +30,8 @@ impl Sensor {
     }
 }
 
-/// The random stream of one row of one sensor in one frame. Streams of different arguments are independent, so
-/// rows can be computed in any order by any number of threads.
+/// The random stream of one row of one sensor in one frame. Streams of different arguments are independent,
+/// so rows can be computed in any order by any number of threads.
 pub fn stream(seed: u64, frame: usize, sensor: Sensor, row: usize) -> ChaCha8Rng {
     let mut key = [0; 32];
     let words = [seed, frame as u64, sensor.number(), row as u64];

@@ -1,5 +1,10 @@
-//! Images of a scene: one ray through every pixel centre, and two more where neighbouring pixels see different
-//! surfaces.
+//! Images of a scene: one ray through every pixel centre, and two more where neighbouring pixels see
+//! different surfaces.
+//!
+//! Grey levels are functions of surface coordinates, filtered with the footprint of the pixel, so that both
+//! cameras see the same grey at a point. The primary rays of a camera look among the shapes of their tile
+//! (`tiles.rs`). Rays towards the sun use the tree of the scene (`tree.rs`), with the shape that shaded the
+//! ray before as a first guess; a grid of shadow casters across the sunlight was no faster.
 
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -8,9 +13,10 @@ use crate::camera::Camera;
 use crate::light::Light;
 use crate::material::Material;
 use crate::noise::{Footprint, hash};
-use crate::scene::{Hint, Hit, Ray, Scene};
+use crate::ray::Ray;
+use crate::scene::{Candidate, Hint, Hit, Scene};
 use crate::shape::SurfacePoint;
-use crate::tiles::{Candidate, Tiles};
+use crate::tiles::Tiles;
 
 /// Beyond this the renderer sees sky, metres.
 pub const FAR_M: f64 = 1e5;
@@ -21,14 +27,14 @@ const SHADOW_OFFSET_M: f64 = 1e-3;
 /// The key of the sky, which no surface has.
 const SKY: u32 = u32::MAX;
 
-/// Sub-pixel positions of the rays that a pixel at an edge gets beside the one through its centre. Together they
-/// cut the pixel in thirds both across and along.
+/// Sub-pixel positions of the rays that a pixel at an edge gets beside the one through its centre. Together
+/// they cut the pixel in thirds both across and along.
 const EDGE_RAYS: [f64; 2] = [-1.0 / 3.0, 1.0 / 3.0];
 
 /// Edges between surfaces whose grey differs by less than this need no more rays, grey levels.
 const EDGE_CONTRAST: f32 = 10.0;
 
-/// What one ray sees.
+/// The light along one ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// Grey level, not bounded.
@@ -38,14 +44,14 @@ pub struct Sample {
 }
 
 /// A scene, its materials and its light, ready to be seen.
-pub struct View<'a> {
+pub struct Renderer<'a> {
     scene: &'a Scene,
     materials: &'a [Material],
     light: &'a Light,
 }
 
-impl<'a> View<'a> {
-    /// What can be seen of this scene.
+impl<'a> Renderer<'a> {
+    /// A renderer of this scene.
     pub fn new(scene: &'a Scene, materials: &'a [Material], light: &'a Light) -> Self {
         Self { scene, materials, light }
     }
@@ -62,14 +68,14 @@ impl<'a> View<'a> {
                 *grey = samples[y * width + x].grey;
                 if is_edge(&samples, width, x, y) {
                     let candidates = tiles.around(x, y);
-                    *grey = self.mean_with_edge_rays(camera, (x, y), *grey, candidates, &mut hint);
+                    *grey = self.mean_with_edge_rays(camera, x, y, *grey, candidates, &mut hint);
                 }
             }
         });
         image
     }
 
-    /// What the pixel centres see.
+    /// Samples at the pixel centres, row by row.
     fn centres(&self, camera: &Camera, tiles: &Tiles) -> Vec<Sample> {
         let (width, height) = camera.size();
         let mut samples = vec![Sample { grey: 0.0, key: SKY }; width * height];
@@ -82,10 +88,12 @@ impl<'a> View<'a> {
         samples
     }
 
+    /// Mean grey of a pixel at an edge, given that of its centre.
     fn mean_with_edge_rays(
         &self,
         camera: &Camera,
-        (x, y): (usize, usize),
+        x: usize,
+        y: usize,
         centre: f32,
         candidates: &[Candidate],
         hint: &mut Hint,
@@ -98,7 +106,7 @@ impl<'a> View<'a> {
         (bounded(centre) + sum) / 3.0
     }
 
-    /// What the image point (x, y) of a camera sees, pixels, given what it can see at all.
+    /// The sample at the image point (x, y) of a camera, pixels, which sees none but the candidates.
     pub fn sample(
         &self,
         camera: &Camera,
@@ -150,8 +158,8 @@ fn is_edge(samples: &[Sample], width: usize, x: usize, y: usize) -> bool {
         || differs(at + width)
 }
 
-/// What a pixel `width_m` wide covers of the surface. Along the slant its length is width / cos(angle of view);
-/// the part beyond the width is width * tan, hence the span below.
+/// Footprint of a pixel `width_m` wide on a surface. Along the slant its length is width / cos(angle of
+/// view); the part beyond the width is width * tan, hence the span below.
 fn footprint(surface: &SurfacePoint, hit: &Hit, local_direction: &Vector3<f64>, width_m: f64) -> Footprint {
     let along_normal = local_direction.dot(&hit.local_normal);
     let tangential = local_direction - hit.local_normal * along_normal;

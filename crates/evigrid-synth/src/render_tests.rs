@@ -7,8 +7,8 @@ use crate::World;
 
 const BOX: &str = include_str!("../tests/box.toml");
 
-/// What the left and the right camera of a frame see at the projections of a world point; `None` where it is
-/// outside an image or hidden from a camera.
+/// Greys that the left and the right camera of a frame see at the projections of a world point; `None` where
+/// it is outside an image or hidden from a camera.
 fn greys_of_point(world: &World, frame: usize, point: &Point3<f64>) -> Option<(f32, f32)> {
     let world_from_left = world.true_world_from_left(frame);
     let scene = world.scene(frame);
@@ -26,11 +26,11 @@ fn greys_of_point(world: &World, frame: usize, point: &Point3<f64>) -> Option<(f
     (inside(x) && inside(right_x)).then_some(())?;
     seen(&left, x)?;
     seen(&right, right_x)?;
-    let view = View::new(&scene, &world.materials, &world.light);
+    let renderer = Renderer::new(&scene, &world.materials, &world.light);
     let grey = |camera: &Camera, x: f64| {
         let tiles = Tiles::new(&scene, camera);
         let candidates = tiles.around(x.round() as usize, y.round() as usize);
-        view.sample(camera, x, y, candidates, &mut Hint::default()).grey
+        renderer.sample(camera, x, y, candidates, &mut Hint::default()).grey
     };
     Some((grey(&left, x), grey(&right, right_x)))
 }
@@ -62,7 +62,7 @@ fn differences(world: &World) -> BTreeMap<usize, (f64, usize)> {
     let (scene, pose) = (world.scene(frame), world.true_world_from_left(frame));
     let cameras = [Camera::left(world.rig, &pose), Camera::right(world.rig, &pose)];
     let tiles = cameras.map(|camera| Tiles::new(&scene, &camera));
-    let view = View::new(&scene, &world.materials, &world.light);
+    let renderer = Renderer::new(&scene, &world.materials, &world.light);
     let truth = crate::LeftViewTruth::new(world, frame);
     let mut sums = BTreeMap::new();
     for (i, pixel) in truth.pixels().iter().enumerate().filter(|(i, p)| p.seen_by_right && i % 7 == 0) {
@@ -70,7 +70,7 @@ fn differences(world: &World) -> BTreeMap<usize, (f64, usize)> {
         let right_x = (x as f64 - world.rig.disparity_px(pixel.depth_m)).max(0.0);
         let [left, right] = [(0, x as f64), (1, right_x)].map(|(c, x)| {
             let candidates = tiles[c].around((x.round() as usize).min(world.rig.width - 1), y);
-            view.sample(&cameras[c], x, y as f64, candidates, &mut Hint::default())
+            renderer.sample(&cameras[c], x, y as f64, candidates, &mut Hint::default())
         });
         // The same side in the same light: a point on an edge may be seen as either of two sides.
         if left.key == right.key {
@@ -124,10 +124,11 @@ fn the_ground_is_met_at_height_over_sine() {
 fn the_box_shades_the_ground_on_the_side_away_from_the_sun() {
     let world = World::from_toml(BOX).unwrap();
     let scene = world.scene(0);
-    let view = View::new(&scene, &world.materials, &world.light);
+    let renderer = Renderer::new(&scene, &world.materials, &world.light);
     let up = Vector3::z();
-    // The sun stands in the direction (-0.94, 0.34) at 50 degrees: the shadow of the 3 m high box is 2.5 m long.
-    let lit = |x, y| view.sunlight(&Point3::new(x, y, 0.0), &up, &mut Hint::default()) > 0.0;
+    // The sun stands in the direction (-0.94, 0.34) at 50 degrees: the shadow of
+    // the 3 m high box is 2.5 m long.
+    let lit = |x, y| renderer.sunlight(&Point3::new(x, y, 0.0), &up, &mut Hint::default()) > 0.0;
     assert!(!lit(9.0 + 0.94 * 1.5, 1.0 - 0.34 * 1.5));
     assert!(lit(9.0 - 0.94 * 1.5, 1.0 + 0.34 * 1.5));
     assert!(lit(9.0 + 0.94 * 4.5, 1.0 - 0.34 * 4.5));
@@ -137,6 +138,6 @@ fn the_box_shades_the_ground_on_the_side_away_from_the_sun() {
 fn the_sky_is_above_the_horizon() {
     let world = World::from_toml(BOX).unwrap();
     let (camera, scene) = (Camera::left(world.rig, &world.true_world_from_left(0)), world.scene(0));
-    let image = View::new(&scene, &world.materials, &world.light).image(&camera);
+    let image = Renderer::new(&scene, &world.materials, &world.light).image(&camera);
     assert!(image[..10].iter().all(|&grey| (210.0..=240.0).contains(&grey)), "{:?}", &image[..10]);
 }

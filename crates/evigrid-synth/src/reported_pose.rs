@@ -9,8 +9,8 @@ use crate::angle;
 use crate::number::NonNegative;
 use crate::random::{Sensor, normal, stream};
 
-/// Errors of the reported pose as a world describes them. On the ground they concern x, y and the heading, in the
-/// air also z, roll and pitch. The first frame's pose is exact: it is where the map begins.
+/// Errors of the reported pose as a world describes them. On the ground they concern x, y and the heading, in
+/// the air also z, roll and pitch. The first frame's pose is exact: it is where the map begins.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PoseErrorSpec {
@@ -24,7 +24,8 @@ pub struct PoseErrorSpec {
     /// different metres are independent, so that they grow with the square root of the way.
     #[serde(default)]
     drift_m_per_m: NonNegative,
-    /// The same for the angles, degrees.
+    /// Odometry: standard deviation of the error of the angles that the first metre of the way adds, degrees;
+    /// it grows like that of the position.
     #[serde(default)]
     drift_deg_per_m: NonNegative,
 }

@@ -2,7 +2,7 @@ use serde::Deserialize;
 
 use crate::number::Positive;
 
-/// What a robot can drive over, as a world describes it.
+/// A robot as a world describes it.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotSpec {

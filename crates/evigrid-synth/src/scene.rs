@@ -1,25 +1,11 @@
 //! All shapes of a world in their places at one instant, ready for casting rays.
 
+use evigrid_core::Pose;
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::shape::{Contact, LocalRay, Shape};
-use crate::tiles::Candidate;
+use crate::ray::{Contact, LocalRay, Ray};
+use crate::shape::Shape;
 use crate::tree::Tree;
-use evigrid_core::Pose;
-
-/// A ray in the world; `direction` has length 1.
-#[derive(Debug, Clone, Copy)]
-pub struct Ray {
-    pub origin: Point3<f64>,
-    pub direction: Vector3<f64>,
-}
-
-impl Ray {
-    /// The point at this distance from the origin, metres.
-    pub fn at(&self, range_m: f64) -> Point3<f64> {
-        self.origin + self.direction * range_m
-    }
-}
 
 /// A shape in its place.
 #[derive(Debug, Clone)]
@@ -89,8 +75,17 @@ pub struct Hit {
     pub local_normal: Vector3<f64>,
 }
 
-/// What the last ray met. Neighbouring rays mostly meet the same objects, which shortens the search for them; the
-/// answers do not depend on it.
+/// A shape that a bundle of rays may meet.
+#[derive(Debug, Clone, Copy)]
+pub struct Candidate {
+    /// Index of the object.
+    pub object: u32,
+    /// No ray of the bundle meets it nearer than this, metres.
+    pub nearest_m: f64,
+}
+
+/// The objects that the last ray met. Neighbouring rays mostly meet the same ones, which shortens the search
+/// for them; the answers do not depend on it.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Hint {
     seen: Option<u32>,
@@ -121,8 +116,8 @@ impl Scene {
         &self.objects
     }
 
-    /// The first surface on the ray within `max_range_m`; of several at the same place the one of the object with
-    /// the lowest index.
+    /// The first surface on the ray within `max_range_m`; of several at the same place the one of the object
+    /// with the lowest index.
     pub fn cast(&self, ray: &Ray, max_range_m: f64, hint: &mut Hint) -> Option<Hit> {
         let meet = |index: u32, limit_m| self.objects[index as usize].meets(ray, limit_m);
         let found = self.tree.first(&in_tree(ray), max_range_m, hint.seen, meet);

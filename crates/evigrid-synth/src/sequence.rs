@@ -8,11 +8,11 @@ use crate::World;
 use crate::camera::Camera;
 use crate::laser::{Laser, Place, Sweep};
 use crate::random::{Sensor, stream};
-use crate::render::View;
+use crate::render::Renderer;
 use crate::scene::Scene;
 
-/// A synthetic world as a recording: every frame is rendered when it is asked for, with all its rows in parallel
-/// on the current rayon pool.
+/// A synthetic world as a recording: every frame is rendered when it is asked for, with all its rows in
+/// parallel on the current rayon pool.
 #[derive(Debug, Clone)]
 pub struct SyntheticSequence {
     world: World,
@@ -27,6 +27,7 @@ impl SyntheticSequence {
             layout: "synthetic",
             rig: world.rig,
             frame_count: world.frame_count(),
+            mounting: world.mounting(),
         };
         Self { world, info }
     }
@@ -47,14 +48,14 @@ impl SyntheticSequence {
     fn render(&self, index: usize, map_from_world: &Pose) -> Result<Frame, CoreError> {
         let (world, rig) = (&self.world, self.world.rig);
         let scene = world.scene(index);
-        let view = View::new(&scene, &world.materials, &world.light);
+        let renderer = Renderer::new(&scene, &world.materials, &world.light);
         let world_from_left = world.true_world_from_left(index);
         Frame::new(
             index,
             world.stamp_ns(index),
             rig,
-            self.photograph(&view, &Camera::left(rig, &world_from_left), index, Sensor::Left)?,
-            self.photograph(&view, &Camera::right(rig, &world_from_left), index, Sensor::Right)?,
+            self.photograph(&renderer, &Camera::left(rig, &world_from_left), index, Sensor::Left)?,
+            self.photograph(&renderer, &Camera::right(rig, &world_from_left), index, Sensor::Right)?,
             map_from_world * world.reported_world_from_left(index),
             self.scan(&scene, index, map_from_world)?,
         )
@@ -62,13 +63,13 @@ impl SyntheticSequence {
 
     fn photograph(
         &self,
-        view: &View<'_>,
+        renderer: &Renderer<'_>,
         camera: &Camera,
         frame: usize,
         sensor: Sensor,
     ) -> Result<GrayImage, CoreError> {
         let world = &self.world;
-        let light = view.image(camera);
+        let light = renderer.image(camera);
         let (width, height) = camera.size();
         let exposure = world.exposures[frame];
         let mut pixels = vec![0; light.len()];

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use crate::mesh::Mesh;
+use crate::ray::{Contact, LocalRay};
 
 /// A solid about the origin of its local frame. An open mesh is the one exception: it has no inside.
 #[derive(Debug, Clone)]
@@ -17,22 +18,6 @@ pub enum Shape {
     Sphere { radius: f64 },
     /// Triangles.
     Mesh(Arc<Mesh>),
-}
-
-/// A ray in the local frame of a shape; `direction` has length 1.
-#[derive(Debug, Clone, Copy)]
-pub struct LocalRay {
-    pub origin: Vector3<f64>,
-    pub direction: Vector3<f64>,
-}
-
-/// Where a ray meets a shape: the way in if it starts outside, else the way out.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
-    /// Distance along the ray, metres, above 0.
-    pub range_m: f64,
-    /// Outward unit normal in the local frame.
-    pub normal: Vector3<f64>,
 }
 
 /// The coordinates that a texture has at a surface point.

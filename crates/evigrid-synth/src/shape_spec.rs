@@ -45,8 +45,8 @@ pub enum ShapeSpec {
         /// Thickness across the face, metres.
         thickness_m: Positive,
     },
-    /// Ground of given heights over a rectangle, solid down to `thickness_m` below its lowest place. Its centre is
-    /// the middle of the rectangle at height 0.
+    /// Ground of given heights over a rectangle, solid down to `thickness_m` below its lowest place. Its
+    /// centre is the middle of the rectangle at height 0.
     HeightField {
         /// Lengths along x and y, metres.
         size_m: [Positive; 2],
@@ -88,7 +88,8 @@ pub enum ShapeSpec {
     },
 }
 
-/// No more triangles than this in one world, to bound the memory (about 300 bytes each while the world is built).
+/// No more triangles than this in one world, to bound the memory (about 300 bytes
+/// each while the world is built).
 pub const MAX_TRIANGLES: usize = 8_000_000;
 
 impl ShapeSpec {
@@ -116,7 +117,8 @@ impl ShapeSpec {
                 if heights_m.len() < 2 || columns < 2 || heights_m.iter().any(|row| row.len() != columns) {
                     let lengths: Vec<_> = heights_m.iter().map(Vec::len).collect();
                     return Err(format!(
-                        "expected two or more rows of the same length of two or more heights, found lengths {lengths:?}"
+                        "expected two or more rows of the same length of two or more heights, \
+                         found lengths {lengths:?}"
                     ));
                 }
                 let height = |x: usize, y: usize| heights_m[y][x].0;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::shape::LocalRay;
+use crate::ray::LocalRay;
 
 fn build(spec: &ShapeSpec) -> Result<(Shape, Pose), String> {
     spec.build(1, None)

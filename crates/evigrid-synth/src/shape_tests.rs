@@ -96,9 +96,11 @@ proptest! {
                     prop_assert!(contact.range_m <= t + 1e-9, "{}: {} {}", name, contact.range_m, t);
                     prop_assert!(at(contact.range_m).abs() < 1e-9, "{name}: not on the surface");
                     // A corner that the steps jumped over may be cut before.
-                    prop_assert!(contact.range_m > t - 2.0 * step || at(contact.range_m + 0.5 * step) > -step);
+                    let is_before = at(contact.range_m + 0.5 * step) > -step;
+                    prop_assert!(contact.range_m > t - 2.0 * step || is_before);
                     let slope = (at(contact.range_m + 1e-6) - at(contact.range_m - 1e-6)).signum();
-                    prop_assert!(slope * contact.normal.dot(&ray.direction) >= -1e-6, "{name}: {:?}", contact);
+                    let along = contact.normal.dot(&ray.direction);
+                    prop_assert!(slope * along >= -1e-6, "{name}: {:?}", contact);
                 }
                 (None, Some(t)) => prop_assert!(false, "{}: missed at {}", name, t),
                 (Some(contact), None) => {

@@ -32,7 +32,7 @@ enum Motion {
 /// A thing of one or more shapes.
 #[derive(Debug, Clone)]
 pub struct Thing {
-    /// What it is called in tables.
+    /// Name in tables.
     pub name: Option<String>,
     /// Its upper face is ground to drive on.
     pub is_ground: bool,

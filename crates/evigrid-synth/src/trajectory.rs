@@ -65,8 +65,8 @@ const PIECES: usize = 64;
 /// No more way-points than this, to bound the memory.
 const MAX_WAYPOINTS: usize = 10_000;
 
-/// A smooth curve through way-points: cubic Hermite pieces with the tangents of a Catmull-Rom spline, measured by
-/// arc length, and when each place of it is passed. Speeds change at way-points at once.
+/// A smooth curve through way-points: cubic Hermite pieces with the tangents of a Catmull-Rom spline,
+/// measured by arc length, and when each place of it is passed. Speeds change at way-points at once.
 #[derive(Debug, Clone)]
 pub struct Path {
     points: Vec<Vector3<f64>>,
@@ -95,8 +95,8 @@ impl Path {
     /// The curve that `spec` describes; `key` names it in messages.
     ///
     /// # Errors
-    /// If there are none or far too many way-points, two lie closer than 1 mm, the path turns by 90 degrees or more
-    /// at one of them (it could not be smooth), or the speed is not known from the first one on.
+    /// If there are none or far too many way-points, two lie closer than 1 mm, the path turns by 90 degrees
+    /// or more at one of them (it could not be smooth), or the speed is not known from the first one on.
     pub fn new(spec: &TrajectorySpec, key: &str) -> Result<Self, SynthError> {
         let waypoints = &spec.waypoints;
         let error = |expected, found| SynthError::value(key, expected, found);
@@ -247,8 +247,9 @@ impl Path {
     }
 }
 
-/// Tangents from the steps between way-points: the directions of the adjacent steps, each weighted by the length of
-/// the other. With turns below 90 degrees they never vanish, nor does the derivative anywhere on the curve.
+/// Tangents from the steps between way-points: the directions of the adjacent steps, each weighted
+/// by the length of the other. With turns below 90 degrees they never vanish, nor does the
+/// derivative anywhere on the curve.
 fn tangents(steps: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     let between = steps.windows(2).map(|w| {
         let (before, after) = (w[0].norm(), w[1].norm());

@@ -1,4 +1,9 @@
 //! parry3d's bounding volume tree around leaves that are cast in double precision.
+//!
+//! Shapes meet rays by closed forms in double precision (`shape.rs`); triangle meshes have a tree of their
+//! own (`mesh.rs`). The tree, in single precision, only decides which leaves are looked at. Its boxes are
+//! wider than the leaves by more than its rounding, and of several leaves at the same place the one with the
+//! lowest number counts; so neither the tree nor a guess nor the number of threads can change a pixel.
 
 use std::cell::Cell;
 
@@ -8,10 +13,10 @@ use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::Ray;
 
-use crate::shape::LocalRay;
+use crate::ray::LocalRay;
 
-/// A tree over numbered leaves. parry3d works in single precision, so the bounds are wider than the leaves by more
-/// than its rounding; which leaf is met, and where, is decided in double precision alone.
+/// A tree over numbered leaves. parry3d works in single precision, so the bounds are wider than the leaves by
+/// more than its rounding; which leaf is met, and where, is decided in double precision alone.
 #[derive(Clone)]
 pub struct Tree {
     bvh: Bvh,
@@ -39,9 +44,9 @@ impl Tree {
         self.bvh.leaves(move |node| node.aabb().intersects(&query))
     }
 
-    /// The leaf that the ray meets first, and where, nearer than `max_m`; of leaves met at the same place the one of
-    /// the lowest number. `meet` gives the distance to a leaf, or nothing if there is none below its second
-    /// argument. A good `guess` shortens the search and changes nothing else.
+    /// The leaf that the ray meets first, and where, nearer than `max_m`; of leaves met at the same place the
+    /// one of the lowest number. `meet` gives the distance to a leaf, or nothing if there is none below its
+    /// second argument. A good `guess` shortens the search and changes nothing else.
     pub fn first(
         &self,
         ray: &LocalRay,
@@ -71,7 +76,8 @@ impl Tree {
         best.get()
     }
 
-    /// A leaf that `blocks` the ray, if there is one; the search ends at the first. `guess` is asked before all.
+    /// A leaf that `blocks` the ray, if there is one; the search ends at the
+    /// first. `guess` is asked before all.
     pub fn any(
         &self,
         ray: &LocalRay,

@@ -1,12 +1,13 @@
-//! What the left camera really sees.
+//! The exact view of the left camera.
 
 use evigrid_core::{CoreError, Disparity, StereoRig};
 use rayon::prelude::*;
 
 use crate::World;
 use crate::camera::Camera;
+use crate::ray::Ray;
 use crate::render::FAR_M;
-use crate::scene::{Hint, Ray, Scene};
+use crate::scene::{Hint, Scene};
 use crate::tiles::Tiles;
 
 /// The exact answer for every pixel centre of a left image, row by row.
@@ -40,12 +41,12 @@ const SKY: PixelTruth = PixelTruth {
     seen_by_right: false,
 };
 
-/// How much nearer than the point an obstacle must be to hide it from the right camera, metres and relative to the
-/// distance: far more than rounding, far less than any shape.
+/// How much nearer than the point an obstacle must be to hide it from the right camera, metres and relative
+/// to the distance: far more than rounding, far less than any shape.
 const CLEARANCE: f64 = 1e-7;
 
 impl LeftViewTruth {
-    /// What the left camera sees at a frame.
+    /// The view of the left camera at a frame.
     pub fn new(world: &World, frame: usize) -> Self {
         let pose = world.true_world_from_left(frame);
         let (scene, left) = (world.scene(frame), Camera::left(world.rig, &pose));
@@ -59,9 +60,9 @@ impl LeftViewTruth {
         let (width, height) = (world.rig.width, world.rig.height);
         let mut pixels = vec![SKY; width * height];
         pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-            let mut hints = [Hint::default(); 2];
+            let (mut seen, mut hiding) = (Hint::default(), Hint::default());
             for (x, pixel) in row.iter_mut().enumerate() {
-                *pixel = view.pixel(x, y, &mut hints);
+                *pixel = view.pixel(x, y, &mut seen, &mut hiding);
             }
         });
         Self { width, height, pixels }
@@ -100,7 +101,9 @@ struct Pair<'a> {
 }
 
 impl Pair<'_> {
-    fn pixel(&self, x: usize, y: usize, [seen, hiding]: &mut [Hint; 2]) -> PixelTruth {
+    /// The answer for the pixel (x, y). `seen` is the hint of its ray, `hiding` that of
+    /// the ray from the right camera.
+    fn pixel(&self, x: usize, y: usize, seen: &mut Hint, hiding: &mut Hint) -> PixelTruth {
         let candidates = self.tiles.around(x, y);
         let (x, y) = (x as f64, y as f64);
         let (ray, _) = self.left.ray(x, y);

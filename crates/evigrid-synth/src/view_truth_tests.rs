@@ -17,11 +17,14 @@ fn a_renderer_without_a_tree_agrees_on_every_pixel() {
     let text = BOX.replace("width = 160", "width = 80").replace("height = 96", "height = 48");
     let text = text.replace("focal_px = 120", "focal_px = 45").replace("[79.5, 47.5]", "[39.5, 15.0]");
     let more = "[[object]]\nshape = { cylinder = { radius_m = 0.4, height_m = 2.0 } }\nroll_deg = 20\n\
-                centre_m = [5.0, -0.6, 1.0]\nmaterial = \"wood\"\nrepeat = { count = 3, step_m = [1.5, 0.5, 0.2] }\n\
-                [[object]]\nshape = { sphere = { radius_m = 0.5 } }\ncentre_m = [6.0, 1.2, 0.7]\nmaterial = \"soil\"\n\
+                centre_m = [5.0, -0.6, 1.0]\nmaterial = \"wood\"\n\
+                repeat = { count = 3, step_m = [1.5, 0.5, 0.2] }\n\
+                [[object]]\nshape = { sphere = { radius_m = 0.5 } }\n\
+                centre_m = [6.0, 1.2, 0.7]\nmaterial = \"soil\"\n\
                 [[object]]\nshape = { ramp = { run_m = 2, rise_m = 0.4, width_m = 1, thickness_m = 0.1 } }\n\
                 yaw_deg = 30\ncentre_m = [4.5, 0.4, 0.25]\nmaterial = \"wood\"\n\
-                [[object]]\nshape = { rough_ground = { size_m = [6, 6], squares = [12, 12], deviation_m = 0.1,\n\
+                [[object]]\nshape = { rough_ground = { size_m = [6, 6], squares = [12, 12], \
+                deviation_m = 0.1,\n\
                 scale_m = 1, octaves = 2, roughness = 0.6, thickness_m = 0.4 } }\ncentre_m = [12, -6, 0.1]\n\
                 material = \"soil\"\n";
     let world = World::from_toml(&format!("{text}{more}")).unwrap();

@@ -1,12 +1,13 @@
 use std::path::Path as FilePath;
 use std::sync::Arc;
 
-use evigrid_core::{Pose, StereoRig, name_hint};
+use evigrid_core::{Mounting, Pose, StereoRig, name_hint};
 use evigrid_grid::GridSpec;
 
 use crate::SynthError;
 use crate::camera::{Camera, CameraNoiseSpec};
-use crate::description::{Contents, WorldSpec};
+use crate::contents::Contents;
+use crate::description::WorldSpec;
 use crate::laser::Laser;
 use crate::light::Light;
 use crate::material::Material;
@@ -44,8 +45,8 @@ const BUILTIN: &[(&str, &str)] = &built_in![
     "yard-odometry",
 ];
 
-/// A synthetic world: a scene, and a vehicle with a stereo rig and perhaps laser scanners that drives through it.
-/// Checked when built, never changed.
+/// A synthetic world: a scene, and a vehicle with a stereo rig and perhaps laser scanners that drives through
+/// it. Checked when built, never changed.
 #[derive(Clone)]
 pub struct World {
     pub(crate) name: String,
@@ -80,14 +81,14 @@ impl std::fmt::Debug for World {
 }
 
 impl World {
-    /// The world that a TOML text describes; docs/synthetic.md explains every key. A text has no folder, so it
-    /// cannot name mesh files.
+    /// The world that a TOML text describes; docs/synthetic.md explains every key. A text has no folder, so
+    /// it cannot name mesh files.
     ///
     /// # Errors
-    /// If the text is no TOML; if a key is unknown, missing or has an impossible value; if a material or model is
-    /// unknown; if the way-points are too close, turn too sharply or do not suffice for all frames; if a camera ever
-    /// is inside a shape; if the world is too large to be rendered in bounded memory. The message is one line that
-    /// names the key or the line.
+    /// If the text is no TOML; if a key is unknown, missing or has an impossible value; if a material or
+    /// model is unknown; if the way-points are too close, turn too sharply or do not suffice for all frames;
+    /// if a camera ever is inside a shape; if the world is too large to be rendered in bounded memory. The
+    /// message is one line that names the key or the line.
     pub fn from_toml(text: &str) -> Result<Self, SynthError> {
         Self::build(text, None).map_err(|e| e.located(text))
     }
@@ -105,7 +106,7 @@ impl World {
 
     fn build(text: &str, folder: Option<&FilePath>) -> Result<Self, SynthError> {
         let spec = WorldSpec::parse(text)?;
-        let contents = spec.contents(text, folder)?;
+        let contents = Contents::new(&spec, text, folder)?;
         let path = Path::new(&spec.trajectory, "trajectory.waypoints")?;
         let (seed, frame_count, rate_hz) = (u64::from(spec.seed), spec.frames.get(), spec.rate_hz.0);
         check_length(&path, frame_count, rate_hz)?;
@@ -218,6 +219,13 @@ impl World {
     /// Whether the reported poses differ from the true ones.
     pub fn has_pose_errors(&self) -> bool {
         self.has_pose_errors
+    }
+
+    /// How the left camera stands over the ground below the vehicle; `None` in the air, where its height
+    /// changes, and for a camera that is on or below the ground.
+    pub(crate) fn mounting(&self) -> Option<Mounting> {
+        let mounting = Mounting::of(&self.body_from_left).checked().ok();
+        mounting.filter(|_| !self.path.is_in_the_air())
     }
 
     /// All shapes in their places at a frame.

@@ -1,4 +1,4 @@
-//! What is written is read back the same, and the exact truth lies beside it.
+//! Data sets on disk are read back as they were made, and the exact truth lies beside them.
 
 #![allow(clippy::unwrap_used)]
 
@@ -6,8 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use evigrid_core::{Frame, Pose};
-use evigrid_npz::Npz;
 use evigrid_replay::{KittiOdometry, Sequence, map_from_world, read_disparity_png};
+use evigrid_results::npz::Npz;
 use evigrid_synth::{SyntheticSequence, World, WriteStep, write_data_set};
 
 const YARD: &str = include_str!("yard.toml");
@@ -149,7 +149,8 @@ fn check_voxels(truth: &Path) {
         array.values.chunks_exact(3).map(|v| [v[0] as i32, v[1] as i32, v[2] as i32]).collect::<Vec<_>>()
     };
     let (occupied, hidden) = (cells(&mut npz, "occupied"), cells(&mut npz, "hidden"));
-    // The ground's upper face is 1.5 m below the camera: on the border of layers 1 and 2, so it is in the upper one.
+    // The ground's upper face is 1.5 m below the camera: on the border of layers 1
+    // and 2, so it is in the upper one.
     let ground = occupied.iter().filter(|v| v[2] == 2).count();
     assert_eq!(ground, 48 * 24, "all of the ground");
     assert!(hidden.iter().all(|v| v[2] < 2) && hidden.len() >= 48 * 24, "below it");

@@ -1,9 +1,9 @@
-use evigrid_core::LaserScan;
+use evigrid_core::{LaserScan, SettingError};
 use evigrid_grid::{FrameEvidence, GridSpec, LogOddsGrid, RayWalk};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::{SettingError, TruthSettings};
+use crate::TruthSettings;
 
 /// Rays per task: enough to hide the cost of starting it.
 const RAYS_PER_TASK: usize = 4096;
@@ -12,8 +12,9 @@ const CELLS_PER_TASK: usize = 1 << 14;
 
 /// An occupancy grid of all laser scans so far.
 ///
-/// Per scan each voxel counts once, and a ray that ends in it wins over those that cross it. A cell is occupied if its
-/// log-odds EVER exceeded the threshold, so moving obstacles count as occupied; it is observed if any ray touched it.
+/// Per scan each voxel counts once, and a ray that ends in it wins over those that cross it. A cell is
+/// occupied if its log-odds EVER exceeded the threshold, so moving obstacles count as occupied; it is
+/// observed if any ray touched it.
 #[derive(Debug)]
 pub struct LaserTruth {
     settings: TruthSettings,

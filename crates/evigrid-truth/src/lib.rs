@@ -8,4 +8,4 @@ mod settings;
 
 pub use laser_truth::LaserTruth;
 pub use projected::projected_disparity;
-pub use settings::{SettingError, TruthSettings};
+pub use settings::{TruthSettings, TruthSource};

@@ -1,17 +1,19 @@
 use evigrid_core::{CoreError, Disparity, LaserScan, Pose, StereoRig};
 use nalgebra::Point3;
 
-/// How far around a pixel nearer laser points are looked for, pixels: the rows of a 64-beam scanner lie about that far
-/// apart in a KITTI image.
+/// How far around a pixel nearer laser points are looked for, pixels: the rows of a 64-beam scanner lie about
+/// that far apart in a KITTI image.
 const REACH_PX: usize = 5;
 
-/// A laser point counts as hidden if one near it in the image has a disparity larger by this much, pixels, and by this
-/// share of its own: the scanner stands elsewhere and sees past the edges of what hides the point from the camera.
+/// A laser point counts as hidden if one near it in the image has a disparity larger by this much,
+/// pixels, and by this share of its own: the scanner stands elsewhere and sees past the edges of what
+/// hides the point from the camera.
 const HIDDEN_PX: f32 = 2.0;
 const HIDDEN_SHARE: f32 = 0.1;
 
-/// The disparities that a laser scan has in the left image, NaN where it says nothing. Of several points in a pixel the
-/// nearest counts; points that may be hidden from the camera are left out, so pixels near depth edges stay unknown.
+/// The disparities that a laser scan has in the left image, NaN where it says nothing. Of several
+/// points in a pixel the nearest counts; points that may be hidden from the camera are left out, so
+/// pixels near depth edges stay unknown.
 ///
 /// # Errors
 /// If the rig has no pixels.

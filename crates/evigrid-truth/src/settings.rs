@@ -1,11 +1,36 @@
+use evigrid_core::{SettingError, require_setting};
 use evigrid_grid::Clamp;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How laser scans become the reference grid.
+/// Where the truth comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum TruthSource {
+    /// The laser scans that were recorded beside the cameras.
+    #[default]
+    Laser,
+    /// The shapes of a synthetic world.
+    Exact,
+}
+
+impl TruthSource {
+    /// The name in settings and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Laser => "laser",
+            Self::Exact => "exact",
+        }
+    }
+}
+
+/// The truth that maps are scored against, and how laser scans become the reference grid.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TruthSettings {
+    /// laser, or exact: the shapes of a synthetic world, over all frames of the run from the first one on.
+    /// Unit: none. Source: own protocol.
+    pub source: TruthSource,
     /// Rays that end nearer than this are dropped (they hit the vehicle). Unit: m. Source: own protocol.
     pub min_range_m: f64,
     /// Rays that end farther than this are free space up to here. Unit: m. Source: own protocol.
@@ -16,13 +41,15 @@ pub struct TruthSettings {
     pub miss_log_odds: f32,
     /// Bounds of the fused log-odds. Unit: log-odds. Source: OctoMap's defaults (-2 and 3.5).
     pub log_odds_bounds: [f32; 2],
-    /// A cell is occupied if its log-odds ever exceeded this. Unit: log-odds. Source: Brandao et al. IV-B ("occupied at any time").
+    /// A cell is occupied if its log-odds ever exceeded this. Unit: log-odds. Source: Brandao et al.
+    /// IV-B ("occupied at any time").
     pub occupied_above: f32,
 }
 
 impl Default for TruthSettings {
     fn default() -> Self {
         Self {
+            source: TruthSource::Laser,
             min_range_m: 1.0,
             max_range_m: 80.0,
             hit_log_odds: 0.85,
@@ -33,24 +60,15 @@ impl Default for TruthSettings {
     }
 }
 
-/// A setting outside its domain.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("truth.{key}: expected {expected}, found {found}")]
-pub struct SettingError {
-    key: &'static str,
-    expected: &'static str,
-    found: String,
-}
-
 impl TruthSettings {
-    /// The same settings, once they are known to be possible.
+    /// Gives the settings back if they are possible.
     ///
     /// # Errors
-    /// If the ranges are not 0 <= min < max, or an evidence has the wrong sign, or the bounds do not enclose 0.
+    /// If the ranges are not 0 <= min < max, or an evidence has the wrong sign,
+    /// or the bounds do not enclose 0.
     pub fn checked(self) -> Result<Self, SettingError> {
-        let require = |ok: bool, key, expected, found: String| {
-            if ok { Ok(()) } else { Err(SettingError { key, expected, found }) }
-        };
+        let require =
+            |ok, key, expected: &str, found: String| require_setting(ok, "truth", key, expected, found);
         let (near, far) = (self.min_range_m, self.max_range_m);
         require(near.is_finite() && near >= 0.0, "min_range_m", "a number from 0", near.to_string())?;
         require(far.is_finite() && far > near, "max_range_m", "more than min_range_m", far.to_string())?;

@@ -91,7 +91,8 @@ proptest! {
         prop_assert_eq!(truth.observed(), &observed[..]);
         for (cell, expected) in log_odds.iter().enumerate() {
             let found = truth.log_odds().values()[cell];
-            prop_assert!(found == *expected || found.is_nan() && expected.is_nan(), "{cell}: {found} {expected}");
+            let are_equal = found == *expected || found.is_nan() && expected.is_nan();
+            prop_assert!(are_equal, "{cell}: {found} {expected}");
         }
     }
 }

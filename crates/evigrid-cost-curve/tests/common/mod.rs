@@ -3,9 +3,9 @@
 
 pub mod volumes;
 
-use evigrid_core::{Disparity, GrayImage, Matches, Pose, StereoRig};
+use evigrid_core::{Disparity, Frame, GrayImage, Matches, Matching, Pose, StereoRig, View};
 use evigrid_cost_curve::WinnerTakeAllSettings;
-use evigrid_grid::{GridSettings, GridSpec, Mapper, View};
+use evigrid_grid::{GridSettings, GridSpec, LogOddsGrid, Mapper};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
@@ -28,7 +28,7 @@ pub struct Shot {
     pub matches: Matches,
 }
 
-/// Whether a pixel's match is to be believed.
+/// Whether a pixel's match is to be believed: the slow twin of the match filter.
 pub fn accepted(settings: &WinnerTakeAllSettings, matches: &Matches, pixel: usize) -> bool {
     let confirmed = !settings.left_right_check
         || matches.left_right_difference_px[pixel] <= settings.left_right_tolerance_px;
@@ -37,18 +37,33 @@ pub fn accepted(settings: &WinnerTakeAllSettings, matches: &Matches, pixel: usiz
         && f64::from(matches.peak_ratio[pixel]) >= settings.peak_ratio
 }
 
-pub fn integrate(mapper: &mut impl Mapper, shot: &Shot) {
-    let left = GrayImage::new(RIG.width, RIG.height, vec![0; RIG.width * RIG.height]).unwrap();
-    mapper.integrate(&View {
-        rig: &RIG,
-        map_from_left: &shot.pose,
-        left: &left,
-        right: &left,
-        matches: &shot.matches,
-        volume: None,
-    });
+impl Shot {
+    /// The shot as a mapper sees it, with grey images and without costs.
+    pub fn with<T>(&self, look: impl FnOnce(&View<'_>) -> T) -> T {
+        let grey = || GrayImage::new(RIG.width, RIG.height, vec![0; RIG.width * RIG.height]).unwrap();
+        let frame = Frame::new(0, 0, RIG, grey(), grey(), self.pose, None).unwrap();
+        look(&View::new(&frame, None, &Matching::from(self.matches.clone())))
+    }
 }
 
+pub fn integrate(mapper: &mut impl Mapper, shot: &Shot) {
+    shot.with(|view| mapper.integrate(view)).unwrap();
+}
+
+/// The numbers of a map to the last bit.
+pub fn bits(map: &LogOddsGrid) -> Vec<u32> {
+    map.values().iter().map(|l| l.to_bits()).collect()
+}
+
+/// Cameras in the grid that look along it, more or less.
+pub fn poses() -> impl Strategy<Value = Pose> {
+    ([-1.0..3.0_f64, -1.0..1.0, -0.5..0.5], [-0.2..0.2_f64, -0.2..0.2, -0.5..0.5]).prop_map(|(at, turn)| {
+        let turn = UnitQuaternion::from_euler_angles(turn[0], turn[1], turn[2]);
+        Pose::from_parts(Vector3::from(at).into(), turn * level_camera())
+    })
+}
+
+/// Images with holes and with pixels that see infinitely far.
 pub fn shot() -> impl Strategy<Value = Shot> {
     let n = RIG.width * RIG.height;
     let disparity = prop_oneof![1 => Just(f32::NAN), 1 => Just(0.0_f32), 8 => 0.3..7.0_f32];
@@ -57,15 +72,11 @@ pub fn shot() -> impl Strategy<Value = Shot> {
         prop::collection::vec(1.0..4.0_f32, n),
         prop::collection::vec(0..4_u16, n),
     );
-    (matches, [-1.0..3.0_f64, -1.0..1.0, -0.5..0.5], [-0.2..0.2_f64, -0.2..0.2, -0.5..0.5]).prop_map(
-        |((disparity, mut peak_ratio, left_right_difference_px), at, turn)| {
-            for (ratio, d) in peak_ratio.iter_mut().zip(&disparity) {
-                *ratio = if d.is_nan() { f32::NAN } else { *ratio };
-            }
-            let disparity = Disparity::new(RIG.width, RIG.height, disparity).unwrap();
-            let turn = UnitQuaternion::from_euler_angles(turn[0], turn[1], turn[2]);
-            let pose = Pose::from_parts(Vector3::from(at).into(), turn * level_camera());
-            Shot { pose, matches: Matches { disparity, peak_ratio, left_right_difference_px } }
-        },
-    )
+    (matches, poses()).prop_map(|((disparity, mut peak_ratio, left_right_difference_px), pose)| {
+        for (ratio, d) in peak_ratio.iter_mut().zip(&disparity) {
+            *ratio = if d.is_nan() { f32::NAN } else { *ratio };
+        }
+        let disparity = Disparity::new(RIG.width, RIG.height, disparity).unwrap();
+        Shot { pose, matches: Matches { disparity, peak_ratio, left_right_difference_px } }
+    })
 }

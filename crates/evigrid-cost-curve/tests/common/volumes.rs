@@ -1,13 +1,13 @@
 //! Random frames with whole cost volumes.
 #![allow(clippy::unwrap_used, missing_docs, dead_code)]
 
-use evigrid_core::{CostVolume, Disparity, GrayImage, Matches, NO_COST, Pose};
-use evigrid_cost_curve::CostScale;
-use evigrid_grid::View;
-use nalgebra::{UnitQuaternion, Vector3};
+use evigrid_core::{
+    CostScale, CostVolume, Disparity, Frame, GrayImage, Matches, Matching, NO_COST, Pose, View,
+};
+use nalgebra::Vector3;
 use proptest::prelude::*;
 
-use super::{RIG, level_camera, spec};
+use super::{RIG, level_camera, poses, spec};
 
 /// Overlaps of a cell and the depths of a hypothesis that rounding may make or break, metres.
 pub const TOUCH_M: f64 = 1e-9;
@@ -15,15 +15,28 @@ pub const SCALE: CostScale = CostScale { window_pixels: 49.0, grey_levels: 1.0 }
 
 #[derive(Debug, Clone)]
 pub struct Shot {
-    pub pose: Pose,
-    pub images: [GrayImage; 2],
-    pub matches: Matches,
-    pub volume: CostVolume,
+    pub frame: Frame,
+    pub matching: Matching,
 }
 
-pub fn view(shot: &Shot) -> View<'_> {
-    let Shot { pose, images: [left, right], matches, volume } = shot;
-    View { rig: &RIG, map_from_left: pose, left, right, matches, volume: Some(volume) }
+impl Shot {
+    pub fn view(&self) -> View<'_> {
+        View::new(&self.frame, None, &self.matching)
+    }
+
+    pub fn matches(&self) -> &Matches {
+        &self.matching.matches
+    }
+
+    pub fn volume(&self) -> &CostVolume {
+        self.matching.volume.as_ref().unwrap()
+    }
+
+    /// The shot as a matcher without costs leaves it.
+    pub fn without_costs(mut self) -> Self {
+        self.matching.volume = None;
+        self
+    }
 }
 
 /// The hypotheses of a pixel, nearest first: disparity and cost (NaN if missing).
@@ -37,8 +50,8 @@ pub fn curve(volume: &CostVolume, x: usize, y: usize) -> (Vec<usize>, Vec<f64>) 
 
 /// The cells that a ray from the camera passes up to a depth, with the depths of entry and exit.
 pub fn cells_of_ray(shot: &Shot, x: f64, y: f64, depth_m: f64) -> Vec<([i64; 3], f64, f64)> {
-    let ray = shot.pose.rotation * RIG.ray(x, y);
-    let origin = shot.pose.translation.vector;
+    let pose = shot.frame.map_from_left();
+    let (ray, origin) = (pose.rotation * RIG.ray(x, y), pose.translation.vector);
     let at = |z: f64| spec().to_cells((origin + ray * z).into());
     let (from, to) = (at(0.0), at(depth_m));
     let mut depths = vec![0.0, depth_m];
@@ -62,17 +75,11 @@ pub fn winners(volume: &CostVolume) -> Disparity {
 }
 
 pub fn shot_of(pose: Pose, images: [Vec<u8>; 2], volume: CostVolume, left_right: Vec<u16>) -> Shot {
-    let images = images.map(|pixels| GrayImage::new(RIG.width, RIG.height, pixels).unwrap());
-    let mut matches = Matches::from_disparity(winners(&volume));
-    matches.left_right_difference_px = left_right;
-    Shot { pose, images, matches, volume }
-}
-
-pub fn poses() -> impl Strategy<Value = Pose> {
-    ([-1.0..3.0_f64, -1.0..1.0, -0.5..0.5], [-0.2..0.2_f64, -0.2..0.2, -0.5..0.5]).prop_map(|(at, turn)| {
-        let turn = UnitQuaternion::from_euler_angles(turn[0], turn[1], turn[2]);
-        Pose::from_parts(Vector3::from(at).into(), turn * level_camera())
-    })
+    let [left, right] = images.map(|pixels| GrayImage::new(RIG.width, RIG.height, pixels).unwrap());
+    let frame = Frame::new(0, 0, RIG, left, right, pose, None).unwrap();
+    let found = Matches::from_disparity(winners(&volume));
+    let matches = Matches { left_right_difference_px: left_right, ..found };
+    Shot { frame, matching: Matching { volume: Some(volume), ..Matching::from(matches) } }
 }
 
 pub fn shot() -> impl Strategy<Value = Shot> {
@@ -86,7 +93,7 @@ pub fn shot() -> impl Strategy<Value = Shot> {
                 let pixel = at / (RIG.width * disparities) * RIG.width + at % RIG.width;
                 *cost = if missing[pixel] { NO_COST } else { *cost };
             }
-            CostVolume::new(RIG.width, RIG.height, smallest, disparities, costs).unwrap()
+            CostVolume::new(RIG.width, RIG.height, smallest, disparities, SCALE, costs).unwrap()
         })
     });
     let greys = || prop::collection::vec(100..120_u8, n);
@@ -94,12 +101,17 @@ pub fn shot() -> impl Strategy<Value = Shot> {
         .prop_map(|(pose, images, volume, left_right)| shot_of(pose, images, volume, left_right))
 }
 
-/// One pose and one volume that is the same for every pixel.
+/// One pose and one cost curve that is the same for every pixel.
 pub fn uniform(curve: &[u16], smallest: usize, images: [u8; 2]) -> Shot {
+    scaled(curve, smallest, images, SCALE)
+}
+
+/// One pose and one cost curve that is the same for every pixel, with costs of a certain scale.
+pub fn scaled(curve: &[u16], smallest: usize, images: [u8; 2], scale: CostScale) -> Shot {
     let n = RIG.width * RIG.height;
     let row = |c: &u16| vec![*c; RIG.width];
     let costs = (0..RIG.height).flat_map(|_| curve.iter().flat_map(row)).collect();
-    let volume = CostVolume::new(RIG.width, RIG.height, smallest, curve.len(), costs).unwrap();
+    let volume = CostVolume::new(RIG.width, RIG.height, smallest, curve.len(), scale, costs).unwrap();
     let pose = Pose::from_parts(Vector3::new(0.1, 0.0712, 0.0319).into(), level_camera());
     shot_of(pose, images.map(|grey| vec![grey; n]), volume, vec![0; n])
 }

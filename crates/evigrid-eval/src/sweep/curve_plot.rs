@@ -8,7 +8,7 @@ use plotters::prelude::{
     SeriesLabelPosition, WHITE,
 };
 
-use super::report::Line;
+use super::lines::Line;
 
 const SIZE: (u32, u32) = (860, 600);
 

@@ -1,12 +1,28 @@
-//! Sweeps: a grid of settings x methods x data sets. The points of one recording share one pass over its frames: each
-//! frame is read once, matched once per setting of the matcher, and added once to every reference; maps that differ in
-//! nothing but the peak ratio share the drawing too. What a point finds is the same to the last byte as what a run of
-//! its settings finds. docs/sweep.md has the plan's format and the files.
+//! Sweeps: a grid of settings x methods x data sets. docs/sweep.md has the plan's format and the files.
+//!
+//! A plan (`plan_file.rs`, or `--sweep` around a run) becomes points: one method, one recording, all
+//! settings, checked before the first frame. The points of one recording with the same frames make a pass
+//! (`passes.rs`), or several if their maps take more than 512 MiB.
+//!
+//! - In a pass a frame is read once, matched once per setting of the matcher and added once to each truth.
+//!   Nothing is scored or recorded before the end. The scores of a point are those of a run with its
+//!   settings, to the last byte.
+//! - Maps are built by a `MapperFamily`: several maps of one method that see the same matches. A family of
+//!   one is the method's `Mapper`. Methods may build many maps together where that is cheaper
+//!   (`Method::build_family`).
+//! - At its end a pass writes each point into `points/HASH/`, run.json last. The hash covers recording,
+//!   frames and the settings that the point uses. A point that is there already, made by this version and
+//!   commit, is kept. Tables and curves are made from these folders alone, so that a sweep that was killed
+//!   cannot end with other files.
+//! - [`map_together`] is a sweep without files: whoever wants many maps of one recording gets each when it
+//!   is complete.
 
 mod axis;
 mod curve_plot;
+mod lines;
 mod outcome;
-mod pass;
+mod page;
+mod passes;
 mod plan;
 mod plan_file;
 mod point;
@@ -18,9 +34,11 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
-use crate::{Clock, ResultsFolder};
+use evigrid_results::ResultsFolder;
+
+use crate::Clock;
 use outcome::Outcome;
-use pass::{run_pass, split_into_passes};
+use passes::{PointResult, run_pass, split_into_passes};
 use point_folder::PointFolders;
 use report::Report;
 
@@ -30,7 +48,7 @@ pub use together::{Mapped, map_together};
 /// How far a sweep is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SweepStep<'a> {
-    /// What an earlier sweep that did not finish left behind has been removed: files of these names.
+    /// Left-overs of an earlier sweep that did not finish have been removed: files of these names.
     LeftOver(&'a [String]),
     /// So many of all points are there already.
     Kept {
@@ -52,10 +70,11 @@ pub enum SweepStep<'a> {
     Frame(usize),
 }
 
-/// Computes all points of a sweep that the folder `out` does not hold yet, then writes tables and curves of all.
+/// Computes all points of a sweep that the folder `out` does not hold yet, then writes tables and curves of
+/// all.
 ///
-/// `build` goes into each point's run.json. A point is kept if it has the same settings hash, and the same version and
-/// commit in `build`.
+/// `build` goes into each point's run.json. A point is kept if it has the same settings hash, and the same
+/// version and commit in `build`.
 ///
 /// # Errors
 /// If a frame cannot be read or a file cannot be written. The points that were complete by then are kept.
@@ -78,11 +97,11 @@ pub fn run_sweep(
     for data in &sweep.recordings {
         let missing = data.points.iter().filter(|p| folders.read(p).is_none()).collect();
         for points in split_into_passes(missing) {
-            let info = &points[0].info;
+            let info = &points[0].job.info;
             let (dataset, frames) = (info.dataset.as_str(), info.frames.len());
             progress(SweepStep::Pass { dataset, points: points.len(), frames });
-            let write = |result: &pass::PointResult<'_>| folders.write(result);
-            run_pass(data.sequence.as_ref(), &points, clock, &write, &mut |done| {
+            let write = |result: &PointResult<'_>| folders.write(result);
+            run_pass(&data.recording, &points, clock, &write, &mut |done| {
                 progress(SweepStep::Frame(done));
             })?;
         }

@@ -1,15 +1,14 @@
 use anyhow::{Context, Result, bail};
-use evigrid_core::name_hint;
-use evigrid_replay::Sequence;
+use evigrid_methods::Entry;
 
 use super::axis::{Axis, MAX_POINTS};
 use super::point::{Point, applies};
-use crate::{Config, Method, open_dataset};
+use crate::{Config, Recording};
 
-/// What a sweep is to do, as it was written; [`Sweep::new`] checks it.
+/// A sweep as it was written; [`Sweep::new`] checks it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepPlan {
-    /// Where the plan comes from, for error lines.
+    /// The place that the plan comes from, for error lines.
     pub(super) origin: String,
     /// Name of the sweep; empty: that of the first data set.
     pub(super) name: String,
@@ -19,7 +18,7 @@ pub struct SweepPlan {
     pub(super) maps: bool,
     /// All settings that are not swept, with methods, frames and stride in `run`.
     pub(super) base: Config,
-    /// What is swept, by key.
+    /// The swept settings, by key.
     pub(super) axes: Vec<Axis>,
 }
 
@@ -51,15 +50,22 @@ pub struct Sweep {
     /// The plan, with a name.
     pub(super) plan: SweepPlan,
     /// The recordings with their points, in the order of the plan.
-    pub(super) recordings: Vec<Recording>,
+    pub(super) recordings: Vec<SweptRecording>,
 }
 
 /// One recording of a sweep.
-pub(super) struct Recording {
+pub(super) struct SweptRecording {
     /// The recording.
-    pub sequence: Box<dyn Sequence>,
+    pub recording: Recording,
     /// Its points: by method, then by the values of the keys, the last key's the fastest.
     pub points: Vec<Point>,
+}
+
+impl SweptRecording {
+    /// Name of the recording.
+    pub fn id(&self) -> &str {
+        &self.recording.sequence().info().id
+    }
 }
 
 impl std::fmt::Debug for Sweep {
@@ -72,8 +78,8 @@ impl Sweep {
     /// Opens the recordings and checks the settings of every point against them.
     ///
     /// # Errors
-    /// If a data set, method, setting or frame does not exist, a value is outside its domain, two points are the same, or
-    /// there are too many.
+    /// If a data set, method, setting or frame does not exist, a value is outside its domain, two points are
+    /// the same, or there are too many.
     pub fn new(mut plan: SweepPlan) -> Result<Self> {
         let origin = plan.origin.clone();
         let methods = methods(&plan).with_context(|| origin.clone())?;
@@ -81,18 +87,18 @@ impl Sweep {
         check_size(&plan, &methods).with_context(|| origin.clone())?;
         let mut recordings = Vec::new();
         for dataset in &plan.datasets {
-            let sequence = open_dataset(dataset).with_context(|| origin.clone())?;
+            let recording = Recording::open(dataset).with_context(|| origin.clone())?;
             let mut points = Vec::new();
-            for &method in &methods {
+            for method in &methods {
                 let combinations = super::point::combinations(&plan, method);
                 for values in combinations {
-                    points.push(Point::new(&plan, dataset, method, values, sequence.as_ref())?);
+                    points.push(Point::new(&plan, dataset, method, values, &recording)?);
                 }
             }
-            recordings.push(Recording { sequence, points });
+            recordings.push(SweptRecording { recording, points });
         }
         if let (true, Some(first)) = (plan.name.is_empty(), recordings.first()) {
-            plan.name.clone_from(&first.sequence.info().id);
+            first.id().clone_into(&mut plan.name);
         }
         let sweep = Self { plan, recordings };
         sweep.check_distinct()?;
@@ -111,7 +117,7 @@ impl Sweep {
 
     /// Recordings are told apart by their names, points by their settings.
     fn check_distinct(&self) -> Result<()> {
-        let mut names: Vec<&str> = self.recordings.iter().map(|r| r.sequence.info().id.as_str()).collect();
+        let mut names: Vec<&str> = self.recordings.iter().map(SweptRecording::id).collect();
         names.sort_unstable();
         if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
             let origin = &self.plan.origin;
@@ -119,7 +125,7 @@ impl Sweep {
         }
         let mut seen = std::collections::BTreeMap::new();
         for (number, point) in self.points().enumerate() {
-            if let Some(before) = seen.insert(&point.hash, number) {
+            if let Some(before) = seen.insert(point.hash(), number) {
                 bail!(
                     "{}: expected points that differ, found points {} and {} the same: {}",
                     self.plan.origin,
@@ -133,7 +139,7 @@ impl Sweep {
     }
 }
 
-fn methods(plan: &SweepPlan) -> Result<Vec<Method>> {
+fn methods(plan: &SweepPlan) -> Result<Vec<Entry>> {
     if plan.datasets.is_empty() {
         bail!("datasets: expected at least one data set, found none");
     }
@@ -141,32 +147,33 @@ fn methods(plan: &SweepPlan) -> Result<Vec<Method>> {
     if names.is_empty() {
         bail!("methods: expected at least one method, found none");
     }
-    let all = || Method::ALL.iter().map(|m| m.name());
+    let all = plan.base.methods.methods();
     let method = |name: &String| {
-        Method::from_name(name).with_context(|| format!("unknown method `{name}`{}", name_hint(name, all())))
+        all.find(name).copied().with_context(|| format!("unknown method `{name}`{}", all.hint(name)))
     };
     names.iter().map(method).collect()
 }
 
 /// Every key must be a setting that changes maps or scores, of at least one of the methods.
-fn check_keys(plan: &SweepPlan, methods: &[Method]) -> Result<()> {
+fn check_keys(plan: &SweepPlan, methods: &[Entry]) -> Result<()> {
     for Axis { key, .. } in &plan.axes {
         if key.starts_with("output.") || ["run.dataset", "run.methods"].contains(&key.as_str()) {
             bail!(
                 "sweep.{key}: expected a setting of maps or scores (data sets and methods have lists of their own)"
             );
         }
-        if !methods.iter().any(|&m| applies(key, m)) {
-            let names: Vec<_> = methods.iter().map(|m| m.name()).collect();
+        if !methods.iter().any(|m| applies(key, m, plan.base.methods.methods())) {
+            let names: Vec<_> = methods.iter().map(|m| m.name).collect();
             bail!("sweep.{key}: expected a setting of {}, found one of another method", names.join(" or "));
         }
     }
     Ok(())
 }
 
-fn check_size(plan: &SweepPlan, methods: &[Method]) -> Result<()> {
-    let of_method = |&m: &Method| {
-        let sizes = plan.axes.iter().filter(|a| applies(&a.key, m)).map(|a| a.values.len());
+fn check_size(plan: &SweepPlan, methods: &[Entry]) -> Result<()> {
+    let all = plan.base.methods.methods();
+    let of_method = |m: &Entry| {
+        let sizes = plan.axes.iter().filter(|a| applies(&a.key, m, all)).map(|a| a.values.len());
         sizes.fold(plan.datasets.len(), usize::saturating_mul)
     };
     match methods.iter().map(of_method).fold(0, usize::saturating_add) {

@@ -10,7 +10,7 @@ use super::plan::SweepPlan;
 use crate::config::{nested, one_line, read_table};
 use crate::{Config, RunSettings};
 
-/// What stands in a plan before the sections of settings.
+/// The part of a plan before the sections of settings.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(default)]
 struct Head {

@@ -1,58 +1,75 @@
 use anyhow::{Context, Result, bail};
-use evigrid_replay::Sequence;
+use evigrid_methods::{Entry, Methods};
 use toml::Value;
 
 use super::axis::Axis;
 use super::plan::SweepPlan;
 use crate::config::nested;
-use crate::plan::{check_settings, run_info};
-use crate::tables::settings_hash;
-use crate::{Config, Method, RunInfo};
+use crate::pass::Entrant;
+use crate::plan::{RunJob, check_settings};
+use crate::{Config, OutputSettings, Recording};
 
 /// One run's worth of settings.
 #[derive(Debug)]
 pub(super) struct Point {
-    /// The only method.
-    pub method: Method,
     /// The value of each key of the sweep; `None` where the method does not have it.
     pub values: Vec<Option<Value>>,
-    /// What a run of it would be.
-    pub info: RunInfo,
-    /// Tells it from all points that find something else; its folder's name.
-    pub hash: String,
+    /// The run of this point, with one method.
+    pub job: RunJob,
 }
 
 impl Point {
     /// A point of a plan on a recording, all settings checked.
+    ///
+    /// # Errors
+    /// If a setting is outside its domain, or the recording lacks what it asks for.
     pub fn new(
         plan: &SweepPlan,
         dataset: &str,
-        method: Method,
+        method: &Entry,
         values: Vec<Option<Value>>,
-        sequence: &dyn Sequence,
+        recording: &Recording,
     ) -> Result<Self> {
         let mut config = plan.base.clone();
         dataset.clone_into(&mut config.run.dataset);
-        config.run.methods = vec![method.name().to_owned()];
-        config.output = crate::OutputSettings { recording: false, disparity: false };
+        config.run.methods = vec![method.name.to_owned()];
+        config.output = OutputSettings { recording: false, disparity: false };
         for (axis, value) in plan.axes.iter().zip(&values) {
             if let Some(value) = value {
                 let origin = format!("{}: {} = {value}", plan.origin, axis.key);
                 config = config.with(nested(&axis.key, value.clone()), &origin)?;
             }
         }
-        check_settings(&config).with_context(|| plan.origin.clone())?;
-        let info = run_info(config, sequence).with_context(|| plan.origin.clone())?;
-        Ok(Self { method, values, hash: settings_hash(&info)?, info })
+        let methods = check_settings(&config).with_context(|| plan.origin.clone())?;
+        let job = RunJob::new(config, methods, recording).with_context(|| plan.origin.clone())?;
+        Ok(Self { values, job })
     }
 
     /// A run by itself, of one method, all settings checked.
-    pub fn of_run(config: Config, sequence: &dyn Sequence) -> Result<Self> {
-        let [method] = check_settings(&config)?[..] else {
+    ///
+    /// # Errors
+    /// As [`Self::new`], or if there is more than one method.
+    pub fn of_run(config: Config, recording: &Recording) -> Result<Self> {
+        let methods = check_settings(&config)?;
+        if methods.len() != 1 {
             bail!("run.methods: expected one method, found {}", config.run.methods.join(", "));
-        };
-        let info = run_info(config, sequence)?;
-        Ok(Self { method, values: Vec::new(), hash: settings_hash(&info)?, info })
+        }
+        Ok(Self { values: Vec::new(), job: RunJob::new(config, methods, recording)? })
+    }
+
+    /// The map of this point in a pass.
+    pub fn entrant(&self) -> Entrant<'_> {
+        Entrant { job: &self.job, method: 0 }
+    }
+
+    /// Name of the method.
+    pub fn method(&self) -> &'static str {
+        self.entrant().name()
+    }
+
+    /// The name of its folder: it tells the point from all that use other settings.
+    pub fn hash(&self) -> &str {
+        &self.job.info.settings.hash
     }
 
     /// Data set, method and values in one line.
@@ -60,7 +77,7 @@ impl Point {
         let values = axes.iter().zip(&self.values);
         let values =
             values.filter_map(|(axis, v)| v.as_ref().map(|v| format!(", {} = {}", axis.key, text(v))));
-        format!("{} on {}{}", self.method.name(), self.info.dataset, values.collect::<String>())
+        format!("{} on {}{}", self.method(), self.job.info.dataset, values.collect::<String>())
     }
 }
 
@@ -70,16 +87,16 @@ pub(super) fn text(value: &Value) -> String {
 }
 
 /// Whether a setting says anything to a method: all but the sections of other methods do.
-pub(super) fn applies(key: &str, method: Method) -> bool {
+pub(super) fn applies(key: &str, method: &Entry, all: &Methods) -> bool {
     let section = key.split('.').next().unwrap_or(key);
-    Method::from_name(section).is_none_or(|owner| owner == method)
+    all.find(section).is_none_or(|owner| owner.name == method.name)
 }
 
 /// All combinations of the values of a method's keys, the last key's the fastest.
-pub(super) fn combinations(plan: &SweepPlan, method: Method) -> Vec<Vec<Option<Value>>> {
+pub(super) fn combinations(plan: &SweepPlan, method: &Entry) -> Vec<Vec<Option<Value>>> {
     let mut all = vec![Vec::new()];
     for axis in &plan.axes {
-        let values: Vec<Option<Value>> = if applies(&axis.key, method) {
+        let values: Vec<Option<Value>> = if applies(&axis.key, method, plan.base.methods.methods()) {
             axis.values.iter().cloned().map(Some).collect()
         } else {
             vec![None]

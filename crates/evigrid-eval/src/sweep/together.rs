@@ -3,47 +3,58 @@
 use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Context, Result};
-use evigrid_grid::LogOddsGrid;
-use evigrid_replay::Sequence;
-use evigrid_truth::LaserTruth;
+use evigrid_grid::{Layer, LogOddsGrid};
+use evigrid_results::{MethodResult, RunInfo};
 
-use super::pass::{PointResult, run_pass, split_into_passes};
+use super::passes::{PointResult, run_pass, split_into_passes};
 use super::point::Point;
-use crate::{Clock, Config, MethodResult, RunInfo};
+use crate::{Clock, Config, Recording, Truth};
 
-/// What one of many settings gave.
+/// The finding of one of many settings.
 #[derive(Debug, Clone, Copy)]
 pub struct Mapped<'a> {
-    /// What a run of it would be.
+    /// Description of a run with these settings.
     pub info: &'a RunInfo,
-    /// What it found.
+    /// Its scores.
     pub result: &'a MethodResult,
-    /// Its map.
-    pub map: &'a LogOddsGrid,
-    /// The laser's reference; `None` without any scan.
-    pub truth: Option<&'a LaserTruth>,
+    /// Its layers.
+    pub layers: &'a [Layer<'a>],
+    /// The truth.
+    pub truth: &'a Truth,
 }
 
-/// Maps a recording under many settings, each with one method, reading and matching every frame as few times as memory
-/// allows. Every map is that of a run of its settings. `look` sees each when it is complete, from any thread, and what it
-/// makes of them comes back in the order of `configs`. `frame_done` is called after each frame of each pass.
+impl Mapped<'_> {
+    /// The map of a method that shows voxels.
+    ///
+    /// # Errors
+    /// If the method shows none.
+    pub fn voxels(&self) -> Result<&LogOddsGrid> {
+        let voxels = self.layers.iter().find_map(Layer::voxels);
+        voxels.with_context(|| format!("expected voxels of {}, found none", self.result.method))
+    }
+}
+
+/// Maps a recording under many settings, each with one method, reading and matching every frame as few times
+/// as memory allows. Every map is that of a run of its settings. `look` sees each when it is complete, from
+/// any thread; its results come back in the order of `configs`. `frame_done` is called after each frame of
+/// each pass.
 ///
 /// # Errors
 /// If a setting is outside its domain, a frame cannot be read, or `look` fails.
 pub fn map_together<T: Send>(
-    sequence: &dyn Sequence,
+    recording: &Recording,
     configs: Vec<Config>,
     clock: &dyn Clock,
     look: &(dyn Fn(&Mapped<'_>) -> Result<T> + Sync),
     frame_done: &mut dyn FnMut(),
 ) -> Result<Vec<T>> {
-    let points: Result<Vec<Point>> = configs.into_iter().map(|c| Point::of_run(c, sequence)).collect();
+    let points: Result<Vec<Point>> = configs.into_iter().map(|c| Point::of_run(c, recording)).collect();
     let points = points?;
     let seen: Mutex<Vec<Option<T>>> = Mutex::new(points.iter().map(|_| None).collect());
     let write = |found: &PointResult<'_>| {
         let result = found.run.methods.first().context("a run without a method")?;
-        let mapped = Mapped { info: &found.point.info, result, map: &found.map, truth: found.truth };
-        let value = look(&mapped)?;
+        let info = &found.point.job.info;
+        let value = look(&Mapped { info, result, layers: &found.layers, truth: found.truth })?;
         let number = points.iter().position(|p| std::ptr::eq(p, found.point));
         let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(slot) = number.and_then(|number| seen.get_mut(number)) {
@@ -52,7 +63,7 @@ pub fn map_together<T: Send>(
         Ok(())
     };
     for pass in split_into_passes(points.iter().collect()) {
-        run_pass(sequence, &pass, clock, &write, &mut |_| frame_done())?;
+        run_pass(recording, &pass, clock, &write, &mut |_| frame_done())?;
     }
     let seen = seen.into_inner().unwrap_or_else(PoisonError::into_inner);
     seen.into_iter().map(|value| value.context("a point was left out of all passes")).collect()
@@ -62,20 +73,16 @@ pub fn map_together<T: Send>(
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::{Observer, Plan, RealClock, ResultsFolder, RunResult, SealedFile, evaluate};
+    use crate::{Observer, Plan, RealClock, evaluate};
+    use evigrid_results::{ResultsFolder, RunResult, SealedFile};
 
     /// Bits of the map at the end of a run.
     #[derive(Default)]
     struct Bits(Vec<u32>);
 
     impl Observer for Bits {
-        fn end(
-            &mut self,
-            _: &RunResult,
-            maps: &[&LogOddsGrid],
-            _: Option<&LaserTruth>,
-        ) -> Result<Vec<SealedFile>> {
-            self.0 = bits(maps[0]);
+        fn end(&mut self, _: &RunResult, layers: &[Vec<Layer<'_>>], _: &Truth) -> Result<Vec<SealedFile>> {
+            self.0 = bits(layers[0][0].voxels().unwrap());
             Ok(Vec::new())
         }
     }
@@ -99,12 +106,11 @@ mod tests {
             config("cost-curve", "stereo.window=9"),
             config("winner-take-all", "winner-take-all.peak_ratio=1.5"),
         ];
-        let sequence = crate::open_dataset("synth:street").unwrap();
+        let recording = Recording::open("synth:street").unwrap();
         let clock = RealClock::default();
-        let look = |mapped: &Mapped<'_>| Ok(bits(mapped.map));
+        let look = |mapped: &Mapped<'_>| Ok(bits(mapped.voxels()?));
         let mut frames = 0;
-        let together =
-            map_together(sequence.as_ref(), configs.clone(), &clock, &look, &mut || frames += 1).unwrap();
+        let together = map_together(&recording, configs.clone(), &clock, &look, &mut || frames += 1).unwrap();
         assert_eq!(frames, 2);
         for (config, together) in configs.into_iter().zip(together) {
             let dir = tempfile::tempdir().unwrap();
@@ -119,10 +125,10 @@ mod tests {
     fn more_than_one_method_in_a_run_is_refused() {
         let mut config = config("cost-curve", "stereo.window=9");
         config.run.methods.push("winner-take-all".into());
-        let sequence = crate::open_dataset("synth:street").unwrap();
+        let recording = Recording::open("synth:street").unwrap();
         let look = |_: &Mapped<'_>| Ok(());
         let clock = RealClock::default();
-        let error = map_together(sequence.as_ref(), vec![config], &clock, &look, &mut || {}).unwrap_err();
+        let error = map_together(&recording, vec![config], &clock, &look, &mut || {}).unwrap_err();
         assert!(error.to_string().contains("expected one method"), "{error}");
     }
 }

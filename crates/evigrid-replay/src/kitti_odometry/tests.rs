@@ -99,7 +99,8 @@ fn damage_is_told_in_one_line() {
     );
     assert_eq!(
         error_of(|r| r.write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 3 0\n")),
-        "pose: expected a rotation matrix, found rows that are 8.0e0 from orthonormal, determinant 3.0000: poses.txt:2"
+        "pose: expected a rotation matrix, found rows that are 8.0e0 from orthonormal, \
+         determinant 3.0000: poses.txt:2"
     );
     assert_eq!(
         error_of(|r| r.write("times.txt", "0\nlater\n")),
@@ -113,7 +114,10 @@ fn damage_is_told_in_one_line() {
 
 proptest! {
     #[test]
-    fn any_calibration_is_read_without_panic(text in "\\PC*|((P0|P1|Tr): ([-0-9.e]{1,5} ){12}\n){1,4}", laser: bool) {
-        let _ = parse_calibration(&text, (12, 8), laser).is_ok();
+    fn any_calibration_is_read_without_panic(
+        text in "\\PC*|((P0|P1|Tr): ([-0-9.e]{1,5} ){12}\n){1,4}",
+        laser: bool,
+    ) {
+        let _ = parse_calibration(&text, ImageSize { width: 12, height: 8 }, laser).is_ok();
     }
 }

@@ -56,7 +56,7 @@ fn a_frame_holds_images_time_pose_and_scan_in_the_map_frame() {
 #[test]
 fn the_rectifying_rotation_turns_the_camera() {
     let recording = fixtures::kitti_raw(1);
-    // x_rect = -z, y_rect = y, z_rect = x: the rectified camera looks where the camera's right was, southwards.
+    // x_rect = -z, y_rect = y, z_rect = x: the rectified camera looks to the right of the camera, southwards.
     recording.replace(
         "../calib_cam_to_cam.txt",
         "R_rect_00: 1 0 0 0 1 0 0 0 1",
@@ -70,7 +70,7 @@ fn the_rectifying_rotation_turns_the_camera() {
 #[test]
 fn a_left_camera_beside_the_rectified_origin_is_honoured() {
     let recording = fixtures::kitti_raw(1);
-    // P_rect_00 shifts by 1 / 10 = 0.1 m: the left camera is 0.1 m to the left (north) and the baseline grows by it.
+    // P_rect_00 shifts by 1 / 10 = 0.1 m: the left camera is 0.1 m further left (north), the baseline longer.
     recording.replace("../calib_cam_to_cam.txt", "P_rect_00: 10 0 5 0 ", "P_rect_00: 10 0 5 1 ");
     let drive = open(&recording);
     let position = drive.world_from_left(0).unwrap().translation.vector;
@@ -126,7 +126,8 @@ fn damaged_calibration_is_told_in_one_line() {
         (
             "P_rect_00: 10 0 5 0 0 10",
             "P_rect_00: 10 0 5 0 0 11",
-            "P_rect_00: expected equal focal lengths fx = fy > 0, found fx 10 px, fy 11 px: calib_cam_to_cam.txt",
+            "P_rect_00: expected equal focal lengths fx = fy > 0, found fx 10 px, fy 11 px: \
+             calib_cam_to_cam.txt",
         ),
         (
             "P_rect_01: 10 0 5 -5 0 10",
@@ -215,14 +216,19 @@ fn unrectified_drives_are_refused() {
 
 proptest! {
     #[test]
-    fn any_calibration_is_read_without_panic(text in "\\PC*|([SRP]_rect_0[01]: ([-0-9.e]{1,5} ){2,12}\n){1,6}") {
+    fn any_calibration_is_read_without_panic(
+        text in "\\PC*|([SRP]_rect_0[01]: ([-0-9.e]{1,5} ){2,12}\n){1,6}"
+    ) {
         let _ = (parse_cameras(&text).is_ok(), parse_rigid(&text).is_ok());
     }
 
     #[test]
     fn any_number_in_a_calibration_is_taken_without_panic(p in prop::array::uniform12(-1e3..1e3), r: f64) {
         let row = p.map(|v: f64| v.to_string()).join(" ");
-        let text = format!("S_rect_00: 12 8\nS_rect_01: 12 8\nR_rect_00: 1 0 0 0 1 0 0 0 {r}\nP_rect_00: {row}\nP_rect_01: {row}\n");
+        let text = format!(
+            "S_rect_00: 12 8\nS_rect_01: 12 8\nR_rect_00: 1 0 0 0 1 0 0 0 {r}\n\
+             P_rect_00: {row}\nP_rect_01: {row}\n"
+        );
         let _ = parse_cameras(&text).is_ok();
     }
 }

@@ -6,7 +6,8 @@ use evigrid_inverse_model::{
     InverseModelMapper, LinePyramidSettings, LineSettings, RayPyramidSettings, RaySettings, WindowCube,
 };
 
-/// An algorithm of Table I; `RayMetre` is ray tracing with windows of one metre, which alone gives the published counts.
+/// An algorithm of Table I; `RayMetre` is ray tracing with windows of one metre, which
+/// alone gives the published counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Algorithm {
     Line,

@@ -1,4 +1,4 @@
-//! What Table I says beyond its numbers, and whether it holds here.
+//! Statements of Table I beyond its numbers, and whether they hold here.
 
 use super::algorithms::Algorithm;
 use super::timed::Timed;

@@ -26,8 +26,8 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
     job.write_picture(&Sheet {
         title: "Fig. 1: what a measurement of 10, 20 or 40 m says of its ray".into(),
         notes: vec![
-            "b 0.3 m, f 700 px, disparities off by 0.5 px, k 0.1 m, p_min 0.35; free (0.35) in front, unknown (0.5, \
-             grey) behind; near measurements say more"
+            "b 0.3 m, f 700 px, disparities off by 0.5 px, k 0.1 m, p_min 0.35; free (0.35) in front, \
+             unknown (0.5, grey) behind; near measurements say more"
                 .into(),
         ],
         columns: 1,

@@ -13,7 +13,7 @@ const CELL_M: f64 = 0.5;
 const LAST_PX: f64 = 40.0;
 const STEPS: u32 = 4000;
 
-/// What Fig. 3 shows of a disparity.
+/// The quantities of Fig. 3 for one disparity.
 struct Sample {
     disparity_px: f64,
     depth_m: f64,
@@ -39,7 +39,9 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
     job.write_picture(&Sheet {
         title: "Fig. 3: near pixels are small, so a smaller image will do".into(),
         notes: vec![
-            "b 0.3 m, f 700 px, cells of 0.5 m; layer i is the image halved i times; 8 to 35 px are 26 to 6 m".into(),
+            "b 0.3 m, f 700 px, cells of 0.5 m; layer i is the image halved i times; 8 to 35 px are 26 to 6 \
+             m"
+            .into(),
         ],
         columns: 1,
         panel: (820, 320),

@@ -49,7 +49,8 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
     job.write_picture(&Sheet {
         title: "Fig. 4: cells far from the vehicle are blurred more".into(),
         notes: vec![format!(
-            "position off by {TRANSLATION_M} m, attitude by {ANGLE_DEG} degrees (our choice), cells of {CELL_M} m (eq. 17)"
+            "position off by {TRANSLATION_M} m, attitude by {ANGLE_DEG} degrees (our choice), cells of \
+             {CELL_M} m (eq. 17)"
         )],
         columns: 1,
         panel: (640, 600),

@@ -1,4 +1,5 @@
-//! Fig. 5: the grid of one image by ray tracing, as it is, blurred everywhere alike, and blurred more the farther away.
+//! Fig. 5: the grid of one image by ray tracing, as it is, blurred everywhere alike, and
+//! blurred more the farther away.
 
 use anyhow::Result;
 use evigrid_grid::LogOddsGrid;
@@ -39,10 +40,14 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
     });
     job.write_more("cells", &["blur", "touched_cells", "cells_over_0", "cells_over_0.1"], sums)?;
     job.write_picture(&Sheet {
-        title: format!("Fig. 5: one image of posts, boxes and walls by ray tracing, cells of {CELL_M} m, from above"),
+        title: format!(
+            "Fig. 5: one image of posts, boxes and walls by ray tracing, cells of {CELL_M} m, \
+             from above"
+        ),
         notes: vec![
             format!(
-                "black: occupied, white: free, blue: not seen, orange: camera, looking right; cells {} to {} m above the meadow",
+                "black: occupied, white: free, blue: not seen, orange: camera, looking right; cells {} to \
+                 {} m above the meadow",
                 LEVEL_M[0], LEVEL_M[1]
             ),
             format!("position off by {TRANSLATION_M} m, attitude by {ANGLE_DEG} degrees (our choice)"),

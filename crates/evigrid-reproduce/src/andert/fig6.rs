@@ -1,7 +1,7 @@
 //! Fig. 6: the test picture, what stands there, and the maps of all algorithms in all cell sizes.
 
 use anyhow::Result;
-use evigrid_core::Matches;
+use evigrid_core::Matching;
 use evigrid_grid::LogOddsGrid;
 use evigrid_synth::{Track, VoxelState, VoxelTruth};
 
@@ -108,8 +108,9 @@ impl ImageMap {
 fn picture(scene: &Scene, objects: &[Track], maps: &[ImageMap]) -> Sheet {
     let size = [scene.frame.rig().width, scene.frame.rig().height];
     let most_px = scene.frame.rig().disparity_px(6.0);
-    let shown =
-        |title: &str, matches: &Matches| disparity_panel(title, size, most_px, matches.disparity.values());
+    let shown = |title: &str, matching: &Matching| {
+        disparity_panel(title, size, most_px, matching.matches.disparity.values())
+    };
     let left = scene.frame.left();
     let areas = Marks::Areas(objects.iter().map(outline).collect());
     let camera = Series::new("", ORANGE, Marks::Dots(vec![(0.2, 0.0)], 5));

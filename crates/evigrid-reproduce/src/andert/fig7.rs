@@ -1,12 +1,13 @@
 //! Fig. 7: two flights: an image, its disparities, the map of it, and the map of the whole flight.
 
 use anyhow::Result;
-use evigrid_core::Disparity;
+use evigrid_core::{Disparity, MatchFilter};
 use evigrid_grid::LogOddsGrid;
 use evigrid_metrics::Counts;
 use plotters::prelude::RGBColor;
 
 use super::flight::{CELL_M, FINAL, FRAMES, Flight, SHOWN, SINGLE, STRIDE};
+use super::timed::BELIEVED;
 use crate::cells::{Patches, blend};
 use crate::chart::{Axis, Panel, Sheet};
 use crate::image_view::{PANEL, disparity_panel, grey_panel};
@@ -17,7 +18,7 @@ use crate::table::rounded;
 const FLIGHTS: [(&str, &str); 2] =
     [("andert-flight-posts", "10 to 15"), ("andert-flight-houses", "20 to 25")];
 const REPETITIONS: usize = 9;
-/// What is lower above the ground is not shown, and what is this high is red, metres.
+/// Heights above the ground, metres: cells below the first are not shown, cells at the second are red.
 const FOOT_M: f64 = 0.6;
 const HIGH_M: f64 = 8.0;
 
@@ -41,25 +42,30 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
         "line_pyramid_fastest_ms",
         "paper_ms_pentium_4_mobile",
     ];
-    job.write_table(&header, flights.iter().flat_map(|(flight, paper)| flight.rows(paper)))?;
+    let (mut rows, mut panels) = (Vec::new(), Vec::new());
+    for (flight, paper) in &flights {
+        rows.extend(flight.rows(paper)?);
+        panels.extend(flight.panels()?);
+    }
+    job.write_table(&header, rows)?;
     job.write_picture(&Sheet {
         title: format!("Fig. 7: two flights mapped by pyramidal lines, cells of {CELL_M} m"),
         notes: vec![
             format!(
-                "maps from above, coloured by height: blue near the ground, red from {HIGH_M} m on; the lowest {FOOT_M} m \
-                 are left out"
+                "maps from above, coloured by height: blue near the ground, red from {HIGH_M} m on; the \
+                 lowest {FOOT_M} m are left out"
             ),
             format!("frame {SHOWN}, and frames {FRAMES}, every {STRIDE}nd, with exact poses"),
         ],
         columns: 4,
         panel: PANEL,
-        panels: flights.iter().flat_map(|(flight, _)| flight.panels()).collect(),
+        panels,
     })
 }
 
 impl Flight {
-    fn rows(&self, paper: &str) -> [[String; 13]; 2] {
-        let valid = self.believed().values().iter().filter(|d| !d.is_nan()).count();
+    fn rows(&self, paper: &str) -> Result<[[String; 13]; 2]> {
+        let valid = self.believed()?.valid_count();
         let name = ["one image".to_owned(), format!("frames {FRAMES}, every {STRIDE}nd")];
         let row = |n: usize, threshold: f32, map: &LogOddsGrid| {
             let counts: &Counts = &self.counts[n];
@@ -79,32 +85,26 @@ impl Flight {
                 paper.to_owned(),
             ]
         };
-        [row(0, SINGLE, &self.single), row(1, FINAL, &self.fused)]
+        Ok([row(0, SINGLE, &self.single), row(1, FINAL, &self.fused)])
     }
 
     /// The disparities that the method believes; NaN for the others.
-    fn believed(&self) -> Disparity {
-        let matches = &self.matches;
-        let pixels = matches.disparity.values().iter().zip(&matches.peak_ratio);
-        let pixels = pixels.zip(&matches.left_right_difference_px);
-        let kept = pixels.map(|((d, ratio), off)| if *ratio >= 1.5 && *off <= 1 { *d } else { f32::NAN });
-        let (width, height) = (matches.disparity.width(), matches.disparity.height());
-        // As long as the image it comes from, so this cannot fail.
-        Disparity::new(width, height, kept.collect()).unwrap_or_else(|_| matches.disparity.clone())
+    fn believed(&self) -> Result<Disparity> {
+        Ok(MatchFilter::new(&self.matching.matches, &BELIEVED).disparity()?)
     }
 
-    fn panels(&self) -> [Panel; 4] {
+    fn panels(&self) -> Result<[Panel; 4]> {
         let rig = self.frame.rig();
         let size = [rig.width, rig.height];
         let left = self.frame.left();
-        let believed = self.believed();
+        let believed = self.believed()?;
         let most_px = rig.disparity_px(6.0);
-        [
+        Ok([
             grey_panel(&format!("{}: left image", self.world), size, |x, y| left.row(y)[x]),
             disparity_panel("matched: near is bright, none is white", size, most_px, believed.values()),
             self.map_panel("map of this image, L > 0.1", &self.single, SINGLE),
             self.map_panel("map of the flight, L > 1.0", &self.fused, FINAL),
-        ]
+        ])
     }
 
     /// The highest occupied cell of every column, by its height above the ground.

@@ -1,14 +1,14 @@
 //! A flight: the maps of one image and of all.
 
 use anyhow::{Context, Result};
-use evigrid_core::{Frame, Matches};
-use evigrid_eval::{Config, Mapped, map_together};
-use evigrid_grid::{GridSpec, LogOddsGrid, Mapper, View};
-use evigrid_inverse_model::InverseModelMapper;
-use evigrid_metrics::{Counts, Reference, count};
-use evigrid_replay::{Sequence, map_from_world};
+use evigrid_core::{Frame, Matching, View};
+use evigrid_eval::{Config, Mapped, Recording, map_together};
+use evigrid_grid::{GridSpec, LogOddsGrid, Mapper};
+use evigrid_inverse_model::{InverseModelMapper, LinePyramid};
+use evigrid_metrics::{Counts, VoxelReference, count};
+use evigrid_replay::map_from_world;
 use evigrid_stereo::BlockMatcher;
-use evigrid_synth::{SyntheticSequence, World};
+use evigrid_synth::World;
 
 use crate::job::Job;
 use crate::stopwatch::Stopwatch;
@@ -22,11 +22,11 @@ pub const SHOWN: usize = 60;
 pub const FRAMES: &str = "0..120";
 pub const STRIDE: usize = 2;
 
-/// What a flight gives.
+/// The last frame of a flight and its maps.
 pub struct Flight {
     pub world: &'static str,
     pub frame: Frame,
-    pub matches: Matches,
+    pub matching: Matching,
     pub single: LogOddsGrid,
     pub fused: LogOddsGrid,
     /// Of both maps above their thresholds, against the laser of all frames.
@@ -41,29 +41,29 @@ impl Flight {
     pub fn new(job: &mut Job<'_, '_>, world: &'static str, repetitions: usize) -> Result<Self> {
         let built = World::builtin(world)?;
         let first = built.true_world_from_left(0);
-        let sequence = SyntheticSequence::new(built);
+        let recording = Recording::from(built);
         let config = config()?;
-        let frame = sequence.frame(SHOWN, &map_from_world(&first))?;
-        let matches =
-            BlockMatcher::new(config.stereo.block())?.run(frame.left(), frame.right(), false, None)?.matches;
-        let mut mapper = InverseModelMapper::line_pyramid(GridSpec::new(&config.grid)?, config.line_pyramid)?;
+        let frame = recording.sequence().frame(SHOWN, &map_from_world(&first))?;
+        let matching =
+            BlockMatcher::new(config.stereo.block())?.run(frame.left(), frame.right(), false, None)?;
+        let settings = config.methods.of::<LinePyramid>()?;
+        let mut mapper = InverseModelMapper::line_pyramid(GridSpec::new(&config.grid)?, settings)?;
         let (single, ms) = {
-            let view = view(&frame, &matches);
+            let view = View::new(&frame, None, &matching);
             let single = mapper.single_image(&view).0;
             (single, time(job, &mut mapper, &view, repetitions)?)
         };
         job.say(&format!("synth:{world}, frames {FRAMES}, every {STRIDE}nd"));
         let look = |mapped: &Mapped<'_>| {
-            let truth = mapped.truth.context("a world without a laser")?;
-            let reference =
-                Reference { spec: truth.spec(), occupied: truth.occupied(), observed: truth.observed() };
+            let (map, reference) = (mapped.voxels()?, mapped.truth.voxels());
+            let reference = reference.context("a world without a laser")?;
             let over = |map: &LogOddsGrid, limit| above(map, limit, &reference);
-            Ok((mapped.map.clone(), [over(&single, SINGLE), over(mapped.map, FINAL)]))
+            Ok((map.clone(), [over(&single, SINGLE), over(map, FINAL)]))
         };
-        let found = map_together(&sequence, vec![config], job.tools.clock, &look, &mut || {})?;
+        let found = map_together(&recording, vec![config], job.tools.clock, &look, &mut || {})?;
         let (fused, counts) = found.into_iter().next().context("no map")?;
         let camera_m = first.translation.z;
-        Ok(Self { world, frame, matches, single, fused, counts, ms, camera_m })
+        Ok(Self { world, frame, matching, single, fused, counts, ms, camera_m })
     }
 }
 
@@ -82,17 +82,6 @@ fn config() -> Result<Config> {
     Ok(config)
 }
 
-fn view<'a>(frame: &'a Frame, matches: &'a Matches) -> View<'a> {
-    View {
-        rig: frame.rig(),
-        map_from_left: frame.map_from_left(),
-        left: frame.left(),
-        right: frame.right(),
-        matches,
-        volume: None,
-    }
-}
-
 fn time(
     job: &Job<'_, '_>,
     mapper: &mut InverseModelMapper,
@@ -101,15 +90,12 @@ fn time(
 ) -> Result<[f64; 2]> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let watch = Stopwatch { clock: job.tools.clock, repetitions };
-    let seconds = watch.time(|| {
-        pool.install(|| mapper.integrate(view));
-        Ok(())
-    })?;
+    let seconds = watch.time(|| Ok(pool.install(|| mapper.integrate(view))?))?;
     Ok(seconds.map(|s| 1e3 * s))
 }
 
 /// Scores of the cells above a threshold.
-fn above(map: &LogOddsGrid, threshold: f32, reference: &Reference<'_>) -> Counts {
+fn above(map: &LogOddsGrid, threshold: f32, reference: &VoxelReference<'_>) -> Counts {
     let shifted: Vec<f32> = map.values().iter().map(|l| l - threshold).collect();
     count(&shifted, reference)
 }

@@ -1,5 +1,5 @@
-//! The figures and the table of Andert, "Drawing Stereo Disparity Images into Occupancy Grids: Measurement Model and Fast
-//! Implementation" (2009).
+//! The figures and the table of Andert, "Drawing Stereo Disparity Images into Occupancy Grids: Measurement
+//! Model and Fast Implementation" (2009).
 
 mod algorithms;
 mod claims;
@@ -17,12 +17,8 @@ mod scene;
 mod table1;
 mod timed;
 
-use std::path::PathBuf;
-
-use anyhow::Result;
-
+use crate::Group;
 use crate::job::{Make, make_items};
-use crate::{Folders, Tools};
 
 /// All items, in the order of the paper. (Fig. 2 is a sketch, Fig. 8 a photograph.)
 const ITEMS: [(&str, Make); 7] = [
@@ -35,7 +31,9 @@ const ITEMS: [(&str, Make); 7] = [
     ("fig7", fig7::make),
 ];
 
-/// Makes one item or all of them.
-pub fn reproduce(item: Option<&str>, folders: &Folders, tools: &mut Tools<'_>) -> Result<Vec<PathBuf>> {
-    make_items("andert", &ITEMS, item, folders, tools)
-}
+/// The group of this paper.
+pub const GROUP: Group = Group {
+    name: "andert",
+    items: || ITEMS.iter().map(|(name, _)| *name).collect(),
+    make: |item, folders, tools| make_items("andert", &ITEMS, item, folders, tools),
+};

@@ -1,4 +1,4 @@
-//! What stands in the test picture, and whether a map has it.
+//! The objects in the test picture, and whether a map has them.
 
 use evigrid_grid::LogOddsGrid;
 use evigrid_synth::{LeftViewTruth, Track, tracks};
@@ -6,10 +6,11 @@ use evigrid_synth::{LeftViewTruth, Track, tracks};
 use super::scene::{CAMERA_M, RANGE_M, Scene};
 use crate::chart::Point;
 
-/// What is so near the ground does not count, metres: the meadow is there too.
+/// Cells so near the ground do not count, metres: the meadow is there too.
 const FOOT_M: f64 = 0.5;
 
-/// The posts, boxes and walls that the camera sees, each with the box around it; three of the posts are hidden by others.
+/// The posts, boxes and walls that the camera sees, each with the box around it; three of
+/// the posts are hidden by others.
 pub fn objects(scene: &Scene) -> Vec<Track> {
     let view = LeftViewTruth::new(&scene.world, 0);
     let is_seen = |object: &Track| view.pixels().iter().any(|p| p.thing == Some(object.thing as u32));

@@ -1,9 +1,9 @@
 //! The test picture: the world `andert-posts`, its exact disparities and those that are matched.
 
 use anyhow::Result;
-use evigrid_core::{Disparity, Frame, Matches, Pose};
+use evigrid_core::{Disparity, Frame, Matching, Pose, View};
 use evigrid_eval::Config;
-use evigrid_grid::{GridSettings, GridSpec, View};
+use evigrid_grid::{GridSettings, GridSpec};
 use evigrid_replay::{Sequence, map_from_world};
 use evigrid_stereo::BlockMatcher;
 use evigrid_synth::{LeftViewTruth, SyntheticSequence, World};
@@ -22,9 +22,9 @@ pub struct Scene {
     pub map_from_world: Pose,
     pub frame: Frame,
     /// The true disparities up to the sensor's range, none beyond: as many valid pixels as in the paper.
-    pub exact: Matches,
+    pub exact: Matching,
     /// Those of block matching.
-    pub matched: Matches,
+    pub matched: Matching,
 }
 
 impl Scene {
@@ -35,22 +35,15 @@ impl Scene {
         let truth = LeftViewTruth::new(&world, 0);
         let near = |depth_m: f64, disparity: f32| if depth_m <= RANGE_M { disparity } else { f32::NAN };
         let values = truth.pixels().iter().map(|pixel| near(pixel.depth_m, pixel.disparity_px)).collect();
-        let exact = Matches::from_disparity(Disparity::new(truth.width(), truth.height(), values)?);
+        let exact = Matching::from_disparity(Disparity::new(truth.width(), truth.height(), values)?);
         let mut matcher = BlockMatcher::new(Config::default().stereo.block())?;
-        let matched = matcher.run(frame.left(), frame.right(), false, None)?.matches;
+        let matched = matcher.run(frame.left(), frame.right(), false, None)?;
         Ok(Self { world, map_from_world, frame, exact, matched })
     }
 
     /// The picture as methods see it.
-    pub fn view<'a>(&'a self, matches: &'a Matches) -> View<'a> {
-        View {
-            rig: self.frame.rig(),
-            map_from_left: self.frame.map_from_left(),
-            left: self.frame.left(),
-            right: self.frame.right(),
-            matches,
-            volume: None,
-        }
+    pub fn view<'a>(&'a self, matching: &'a Matching) -> View<'a> {
+        View::new(&self.frame, None, matching)
     }
 }
 

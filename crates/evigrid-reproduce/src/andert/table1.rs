@@ -87,7 +87,9 @@ fn picture(rows: &[&Timed]) -> Sheet {
         title: "Table I: what four algorithms do for one image of 640x480".into(),
         notes: vec![
             format!("the world {WORLD}, true disparities up to 25 m; one thread, fastest of {REPETITIONS}"),
-            "the paper: another picture of the same kind, 1.8 GHz; one mark to the right is ten times as much".into(),
+            "the paper: another picture of the same kind, 1.8 GHz; one mark to the right is ten times as \
+             much"
+                .into(),
         ],
         columns: 2,
         panel: (720, 280),

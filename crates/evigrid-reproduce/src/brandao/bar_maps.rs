@@ -1,8 +1,8 @@
 //! Maps of the world `bars` by several methods.
 
 use anyhow::Result;
-use evigrid_eval::map_together;
-use evigrid_synth::{SyntheticSequence, World};
+use evigrid_eval::{Recording, map_together};
+use evigrid_synth::World;
 
 use super::bar_picture::BarViews;
 use super::bar_score::BarScore;
@@ -39,14 +39,14 @@ pub fn bar_maps(job: &mut Job<'_, '_>, readings: Vec<Reading>, run: BarRun) -> R
     let readings: Vec<Reading> = readings.into_iter().map(|reading| reading.within_depth(DEPTH_M)).collect();
     let base = [grid_sets(run.cell_size_m), vec![format!("run.frames={}", run.frames)]].concat();
     let configs: Result<Vec<_>> = readings.iter().map(|reading| reading.config(&base)).collect();
-    let sequence = SyntheticSequence::new(World::builtin(WORLD)?);
+    let recording = Recording::from(World::builtin(WORLD)?);
     job.say(&format!("{} maps of synth:{WORLD}, frames {}", readings.len(), run.frames));
     let found = map_together(
-        &sequence,
+        &recording,
         configs?,
         job.tools.clock,
         &|mapped| {
-            let log_odds = mapped.map.values();
+            let log_odds = mapped.voxels()?.values();
             Ok((BarScore::new(&bars, log_odds), BarViews::new(&bars, log_odds)))
         },
         &mut || {},

@@ -9,7 +9,8 @@ use crate::chart::{Axis, BLUE, DARK, GREY, Marks, ORANGE, Panel, Point, Series, 
 
 /// Cells so near the plane of the bars are seen from the front, metres.
 const SLAB_M: f64 = 0.15;
-/// What is shown of the world: to the left and right of the middle bar, upwards, and from before to behind, metres.
+/// The part of the world that is shown: to the left and right of the middle bar, upwards, and from before to
+/// behind, metres.
 /// A metre is as long along both axes of a panel of [`PANEL`].
 const FRONT_Y_M: f64 = 1.5;
 const FRONT_Z_M: [f64; 2] = [0.0, 2.4];

@@ -4,11 +4,11 @@ use evigrid_synth::VoxelState;
 
 use super::bars::Bars;
 
-/// An occupied cell is an outlier if nothing but air is within so many cells of it. A bar's level is held if an
-/// occupied cell lies within this of it too.
+/// An occupied cell is an outlier if nothing but air is within so many cells of it. A bar's level is held if
+/// an occupied cell lies within this of it too.
 pub const NEAR_CELLS: i64 = 1;
 
-/// What a map of the bars is worth.
+/// Score of a map of the bars.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BarScore {
     /// True cells of bars, and those of them that are occupied.
@@ -23,7 +23,8 @@ pub struct BarScore {
     pub occupied: usize,
     /// Occupied cells that hold nothing but air, in the whole grid.
     pub in_air: usize,
-    /// Those of them with nothing but air around them too, in the whole grid and in the region around the bars.
+    /// Those of them with nothing but air around them too, in the whole grid and
+    /// in the region around the bars.
     pub outliers: usize,
     pub outliers_around: usize,
 }
@@ -98,7 +99,8 @@ mod tests {
         assert_eq!((perfect.bar_cells_found, perfect.bar_cells), (all.len(), all.len()));
         assert_eq!((perfect.occupied, perfect.in_air), (all.len(), 0));
 
-        // Two levels of the first bar are lost, and three cells float in the air, one of them in front of the bars.
+        // Two levels of the first bar are lost, and three cells float in the air,
+        // one of them in front of the bars.
         let lost = &bars.cells[0][3..5];
         lost.iter().flatten().for_each(|&cell| map[cell] = -1.0);
         let floating = |cell: &usize| bars.is_far_from_surfaces(*cell, 3);

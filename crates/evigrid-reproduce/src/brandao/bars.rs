@@ -26,13 +26,13 @@ pub struct Bars {
     world_from_map: Pose,
 }
 
-/// The grid in the map frame of frame 0, which looks at the bars from 3.2 m away: the bars, the wall behind them and what
-/// lies before and behind.
+/// The grid in the map frame of frame 0, which looks at the bars from 3.2 m away: the bars, the wall behind
+/// them and what lies before and behind.
 pub fn grid(cell_size_m: f64) -> GridSettings {
     GridSettings { x_m: [0.0, 8.0], y_m: [-4.0, 4.0], z_m: [-1.2, 1.4], cell_size_m }
 }
 
-/// The same as settings.
+/// The grid around the bars as settings.
 pub fn grid_sets(cell_size_m: f64) -> Vec<String> {
     let GridSettings { x_m, y_m, z_m, .. } = grid(cell_size_m);
     vec![

@@ -1,8 +1,9 @@
 //! Figs 8 and 9: maps of a real drive against the laser, as tables, pictures and recordings.
 
 use anyhow::Result;
-use evigrid_eval::{Config, Method, Observer, Plan, ResultsFolder, evaluate, map_together};
-use evigrid_metrics::Counts;
+use evigrid_eval::{Config, Mapped, Observer, Plan, Recording, evaluate, map_together};
+use evigrid_metrics::{Counts, count};
+use evigrid_results::ResultsFolder;
 
 use super::methods::{self, Reading};
 use super::top_view::TopView;
@@ -50,8 +51,8 @@ fn make(job: &mut Job<'_, '_>, readings: &[Reading], title: &str) -> Result<()> 
     job.write_picture(&Sheet {
         title: format!("{title}: {id}, frames {}", drive.frames),
         notes: vec![
-            "from above; green: most occupied cells of the column are occupied for the laser too, orange: mistakes, \
-             grey: missed"
+            "from above; green: most occupied cells of the column are occupied for the laser too, orange: \
+             mistakes, grey: missed"
                 .into(),
             format!("the paper, on other drives: {}", readings[0].paper_of(readings.last())),
         ],
@@ -63,7 +64,7 @@ fn make(job: &mut Job<'_, '_>, readings: &[Reading], title: &str) -> Result<()> 
 }
 
 impl Reading {
-    /// What the paper says of this one and another, in a line.
+    /// The paper's words on this method and another, in a line.
     fn paper_of(&self, other: Option<&Self>) -> String {
         let other = other.filter(|o| o.name != self.name);
         let other = other.map(|o| format!("; whole curve: {}", o.paper)).unwrap_or_default();
@@ -80,18 +81,19 @@ impl DriveMap {
 
 /// Name of the drive, and one map for each reading.
 fn drive_maps(job: &mut Job<'_, '_>, drive: &Drive, readings: &[Reading]) -> Result<(String, Vec<DriveMap>)> {
-    let sequence = evigrid_replay::open(&drive.dir)?;
-    let id = sequence.info().id.clone();
+    let recording = Recording::from(evigrid_replay::open(&drive.dir)?);
+    let id = recording.sequence().info().id.clone();
     job.say(&format!("{} maps of {id}, frames {}", readings.len(), drive.frames));
     let base = [format!("run.frames={}", drive.frames)];
     let configs: Result<Vec<_>> = readings.iter().map(|reading| reading.config(&base)).collect();
-    let look = |mapped: &evigrid_eval::Mapped<'_>| {
+    let look = |mapped: &Mapped<'_>| {
         let nothing = vec![false; mapped.info.spec.cell_count()];
-        let truth = mapped.truth.map_or(&nothing[..], |truth| truth.occupied());
-        let counts = mapped.result.scores.as_ref().map(|s| s.counts).unwrap_or_default();
-        Ok((counts, TopView::new(&mapped.info.spec, mapped.map.values(), truth)))
+        let (log_odds, truth) = (mapped.voxels()?.values(), mapped.truth.voxels());
+        let occupied = truth.as_ref().map_or(&nothing[..], |truth| truth.occupied);
+        let counts = truth.as_ref().map(|truth| count(log_odds, truth)).unwrap_or_default();
+        Ok((counts, TopView::new(&mapped.info.spec, log_odds, occupied)))
     };
-    let found = map_together(sequence.as_ref(), configs?, job.tools.clock, &look, &mut || {})?;
+    let found = map_together(&recording, configs?, job.tools.clock, &look, &mut || {})?;
     let maps = readings.iter().cloned().zip(found);
     Ok((id, maps.map(|(reading, (counts, view))| DriveMap { reading, counts, view }).collect()))
 }
@@ -117,7 +119,8 @@ fn row(map: &DriveMap, id: &str, frames: &str) -> [String; 11] {
 /// Runs the first reading of every method once more, with a recording.
 fn record(job: &mut Job<'_, '_>, drive: &Drive, readings: &[Reading]) -> Result<()> {
     let dir = job.dir();
-    // Locked, and with nothing of an earlier run that was killed: the recording's temporary name must be free.
+    // Locked, and with nothing of an earlier run that was killed: the
+    // recording's temporary name must be free.
     let (folder, _) = ResultsFolder::open(&dir)?;
     let path = dir.join(format!("{}.rrd", job.item()));
     remove_if_there(&path.with_extension("rrd.partial"))?;
@@ -134,7 +137,7 @@ fn record(job: &mut Job<'_, '_>, drive: &Drive, readings: &[Reading]) -> Result<
 
 /// One run of all methods, each as its first reading.
 fn recorded(readings: &[Reading], drive: &Drive) -> Result<Config> {
-    let mut methods: Vec<Method> = Vec::new();
+    let mut methods: Vec<&str> = Vec::new();
     let mut sets = vec![format!("run.frames={}", drive.frames)];
     for reading in readings {
         if !methods.contains(&reading.method) {
@@ -143,7 +146,7 @@ fn recorded(readings: &[Reading], drive: &Drive) -> Result<Config> {
         }
     }
     let mut config = Config::load(None, &sets)?;
-    config.run.methods = methods.iter().map(|m| m.name().to_owned()).collect();
+    config.run.methods = methods.iter().map(|m| (*m).to_owned()).collect();
     Ok(config)
 }
 

@@ -1,8 +1,9 @@
-//! Fig. 10: hits against mistakes on a real drive, winner-take-all over its peak ratio, the whole curve as a point and
-//! over the threshold on its log-odds.
+//! Fig. 10: hits against mistakes on a real drive, winner-take-all over its peak ratio, the whole curve as a
+//! point and over the threshold on its log-odds.
 
 use anyhow::Result;
-use evigrid_eval::{Mapped, map_together};
+use evigrid_eval::{Mapped, Recording, map_together};
+use evigrid_grid::LayerKind;
 use evigrid_metrics::CurvePoint;
 
 use super::methods::{self, CHECKED, DEPTH_M, Reading};
@@ -18,7 +19,7 @@ const LOWER_RATIOS: [f64; 5] = [1.0, 1.1, 1.2, 1.3, 1.4];
 const NEAR_M: f64 = 25.0;
 const PAPER: &str = "fewer mistakes than winner-take-all at equal hits";
 
-/// What methods are compared under.
+/// A condition under which methods are compared.
 #[derive(Debug, Clone, Copy)]
 struct Condition {
     depth_m: f64,
@@ -48,13 +49,16 @@ struct Group {
 
 pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
     let drive = drive::require(job)?;
-    let sequence = evigrid_replay::open(&drive.dir)?;
+    let recording = Recording::from(evigrid_replay::open(&drive.dir)?);
+    let id = recording.sequence().info().id.clone();
     let base = [format!("run.frames={}", drive.frames)];
     let readings: Vec<Reading> = CONDITIONS.iter().flat_map(Condition::readings).collect();
     let configs: Result<Vec<_>> = readings.iter().map(|reading| reading.config(&base)).collect();
-    job.say(&format!("{} maps of {}, frames {}", readings.len(), sequence.info().id, drive.frames));
-    let look = |mapped: &Mapped<'_>| Ok(mapped.result.curve.clone());
-    let found = map_together(sequence.as_ref(), configs?, job.tools.clock, &look, &mut || {})?;
+    job.say(&format!("{} maps of {}, frames {}", readings.len(), id, drive.frames));
+    let look = |mapped: &Mapped<'_>| {
+        Ok(mapped.result.scores_of(LayerKind::Voxels).and_then(|scores| scores.curve.clone()))
+    };
+    let found = map_together(&recording, configs?, job.tools.clock, &look, &mut || {})?;
     let mut curves = readings.into_iter().zip(found).map(|(reading, curve)| {
         let (points, true_cells) = curve.map_or((Vec::new(), 0), |c| (c.points, c.true_cells));
         Curve { reading, points, true_cells }
@@ -78,10 +82,10 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
     ];
     job.write_table(&header, groups.iter().flat_map(Group::rows))?;
     job.write_picture(&Sheet {
-        title: format!("Fig. 10: hits against mistakes, {}, frames {}", sequence.info().id, drive.frames),
+        title: format!("Fig. 10: hits against mistakes, {id}, frames {}", drive.frames),
         notes: vec![
-            "winner-take-all: one dot per peak ratio, 1 to 12 (the paper: from 1.5 on); whole curve: the dot is P > 0.5, the line other \
-             thresholds; better is up and to the left"
+            "winner-take-all: one dot per peak ratio, 1 to 12 (the paper: from 1.5 on); whole curve: the \
+             dot is P > 0.5, the line other thresholds; better is up and to the left"
                 .into(),
             format!("the paper, on other drives: the whole curve has {PAPER}"),
         ],
@@ -130,7 +134,7 @@ impl Curve {
         let share = |part: usize, whole: usize| part as f64 / whole as f64;
         let missed = self.true_cells - hits;
         [
-            self.reading.method.name().to_owned(),
+            self.reading.method.to_owned(),
             self.reading.name.clone(),
             condition.depth_m.to_string(),
             condition.check.to_string(),
@@ -210,7 +214,8 @@ fn place(point: CurvePoint) -> (f64, f64) {
     (point.mistakes as f64, point.hits as f64)
 }
 
-/// Mistakes of the baseline where it has so many hits, straight between its points; `None` where it never has.
+/// Mistakes of the baseline where it has so many hits, straight between its
+/// points; `None` where it never has.
 fn mistakes_at(baseline: &[(f64, f64)], hits: f64) -> Option<f64> {
     baseline.windows(2).find_map(|pair| {
         let [(m0, h0), (m1, h1)] = [pair[0], pair[1]];

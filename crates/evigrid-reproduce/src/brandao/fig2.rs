@@ -10,11 +10,13 @@ use crate::table::rounded;
 
 /// Cells of the ray. The paper gives no numbers; minima of cost 0 at cells 20 and 40 are our choice.
 const CELLS: usize = 60;
-/// The costs are bounded valleys: `steepness` times the squared distance to the nearest minimum, at most this.
+/// The costs are bounded valleys: `steepness` times the squared distance to the
+/// nearest minimum, at most this.
 const HIGHEST: f64 = 100.0;
 const VARIANCE: f64 = 2.0;
 
-/// Name, where the minima are, and how steep the valleys: 16 leaves a minimum by itself, 0.4 is as wide as Fig. 1.
+/// Name, where the minima are, and how steep the valleys: 16 leaves a minimum by
+/// itself, 0.4 is as wide as Fig. 1.
 const CURVES: [(&str, &[f64], f64); 3] = [
     ("one minimum", &[20.0], 16.0),
     ("two equal minima", &[20.0, 40.0], 16.0),
@@ -31,8 +33,12 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
     job.write_picture(&Sheet {
         title: "Fig. 2: occupancy from a cost curve, Elfes' formulation and the whole curve".into(),
         notes: vec![
-            "above: the evidence p(E | cell i occupied and visible), eq. 7; below: P(occupied), 0.5 = unknown".into(),
-            "two equal minima: Elfes believes the first and forgets the second, the whole curve keeps both at 0.5".into(),
+            "above: the evidence p(E | cell i occupied and visible), eq. 7; below: P(occupied), 0.5 = \
+             unknown"
+                .into(),
+            "two equal minima: Elfes believes the first and forgets the second, the whole curve keeps both \
+             at 0.5"
+                .into(),
         ],
         columns: CURVES.len(),
         panel: (400, 300),

@@ -43,7 +43,8 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
     job.write_picture(&picture(&costs, &free))
 }
 
-/// The costs of the whole disparity nearest to the true one, and of all larger ones, which are in visible free space.
+/// The costs of the whole disparity nearest to the true one, and of all larger ones,
+/// which are in visible free space.
 fn costs(volume: &CostVolume, truth: &Disparity) -> Costs {
     let mut costs = Costs { free: Counts::up_to(LARGEST), surface: Counts::up_to(LARGEST) };
     for y in 0..volume.height() {
@@ -62,7 +63,7 @@ fn costs(volume: &CostVolume, truth: &Disparity) -> Costs {
     costs
 }
 
-/// What a normal distribution has between two whole numbers, which stand for all that rounds to them.
+/// Share of a normal distribution between two whole numbers, which stand for all that rounds to them.
 fn normal_share(normal: &Moments, from: usize, to: usize) -> f64 {
     normal.below(to as f64 - 0.5) - normal.below(from as f64 - 0.5)
 }
@@ -119,7 +120,8 @@ fn picture(costs: &Costs, free: &Moments) -> Sheet {
                 free.excess_kurtosis
             ),
             format!(
-                "the paper: \"indicates a normal distribution\"; the cumulative shares differ by up to {:.1} %",
+                "the paper: \"indicates a normal distribution\"; the cumulative shares differ by up to \
+                 {:.1} %",
                 100.0 * free.distance_to_normal
             ),
         ],
@@ -132,11 +134,13 @@ fn picture(costs: &Costs, free: &Moments) -> Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use evigrid_core::CostScale;
 
     #[test]
     fn what_is_nearer_than_the_truth_is_free() {
         // Hypotheses 0, 1, 2 of three pixels: [disparity][column].
-        let volume = CostVolume::new(3, 1, 0, 3, vec![9, 9, 9, 4, 5, 6, NO_COST, 7, 8]).unwrap();
+        let scale = CostScale { window_pixels: 49.0, grey_levels: 1.0 };
+        let volume = CostVolume::new(3, 1, 0, 3, scale, vec![9, 9, 9, 4, 5, 6, NO_COST, 7, 8]).unwrap();
         let truth = Disparity::new(3, 1, vec![0.0, 1.25, f32::NAN]).unwrap();
         let costs = costs(&volume, &truth);
         // Pixel 0: 4 is free, 9 is on the surface; pixel 1: 7 is free, 5 is on the surface.

@@ -1,5 +1,5 @@
-//! Fig. 4: occupancy along one ray of a real image: Elfes, the whole curve with a model of free space (eq. 6), and
-//! without (eq. 9).
+//! Fig. 4: occupancy along one ray of a real image: Elfes, the whole curve with a model of free
+//! space (eq. 6), and without (eq. 9).
 
 use anyhow::{Context, Result};
 use evigrid_core::{CostVolume, Frame, NO_COST, Pose};
@@ -15,7 +15,8 @@ use crate::drive;
 use crate::job::Job;
 use crate::table::{cell, rounded};
 
-/// The two minima are at least so far apart, pixels, and differ by at most this share of the height of the ridge between them.
+/// The two minima are at least so far apart, pixels, and differ by at most this share of the
+/// height of the ridge between them.
 const APART_PX: usize = 8;
 const DIFFER: f64 = 0.02;
 
@@ -150,8 +151,8 @@ impl Chosen {
         Sheet {
             title: format!("Fig. 4: occupancy along the ray of pixel ({column}, {row}) of {name}"),
             notes: vec![
-                "the pixel whose two lowest, nearly equal minima stand out most; eq. 6 models the costs of free space, \
-                 eq. 9 does not"
+                "the pixel whose two lowest, nearly equal minima stand out most; eq. 6 models the costs of \
+                 free space, eq. 9 does not"
                     .into(),
                 format!(
                     "the paper: eqs 6 and 9 \"similar\"; largest difference here: {}",
@@ -171,8 +172,8 @@ fn apart(ray: &Ray) -> f64 {
     eq6.iter().zip(&ray.whole).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Of the pixels whose curve is complete and whose two lowest minima are nearly equal and well apart, the one where they
-/// lie lowest below the rest; of equals the first, row by row.
+/// Of the pixels whose curve is complete and whose two lowest minima are nearly equal and well apart, the one
+/// where they lie lowest below the rest; of equals the first, row by row.
 fn ambiguous_pixel(volume: &CostVolume) -> Option<(usize, usize)> {
     let best_of_row = |y: usize| {
         let scores = (0..volume.width()).filter_map(|x| {
@@ -186,8 +187,8 @@ fn ambiguous_pixel(volume: &CostVolume) -> Option<(usize, usize)> {
     best.map(|(_, x, y)| (x, y))
 }
 
-/// How far the second lowest minimum lies below both the median cost and the ridge between it and the lowest; `None` if
-/// the two are not nearly equal.
+/// How far the second lowest minimum lies below both the median cost and the ridge between it and the lowest;
+/// `None` if the two are not nearly equal.
 fn salience(curve: &[u16]) -> Option<f64> {
     if curve.contains(&NO_COST) {
         return None;
@@ -209,6 +210,9 @@ fn salience(curve: &[u16]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use evigrid_core::CostScale;
+
+    const SCALE: CostScale = CostScale { window_pixels: 49.0, grey_levels: 1.0 };
 
     #[test]
     fn the_chosen_pixel_has_two_low_minima_with_a_ridge_between() {
@@ -230,7 +234,7 @@ mod tests {
         let curves =
             [with(&[(5, 300), (20, 300)]), with(&[(5, 100), (20, 100)]), with(&[(5, 200), (20, 200)])];
         let costs = (0..32).flat_map(|d| curves.iter().map(move |c| c[d])).collect();
-        let volume = CostVolume::new(3, 1, 0, 32, costs).unwrap();
+        let volume = CostVolume::new(3, 1, 0, 32, SCALE, costs).unwrap();
         assert_eq!(ambiguous_pixel(&volume), Some((1, 0)));
     }
 }

@@ -62,8 +62,8 @@ fn make(job: &mut Job<'_, '_>, run: BarRun, readings: Vec<Reading>, title: &str)
     job.write_picture(&Sheet {
         title: format!("{title}, 20 frames, cells of {} m", run.cell_size_m),
         notes: vec![
-            "blue: occupied at a true surface or one cell beside it; orange: outliers, in the air; grey, circles: the \
-             true bars; the camera goes round them from below"
+            "blue: occupied at a true surface or one cell beside it; orange: outliers, in the air; grey, \
+             circles: the true bars; the camera goes round them from below"
                 .into(),
             format!("the paper: {}", paper(&maps)),
         ],
@@ -73,7 +73,7 @@ fn make(job: &mut Job<'_, '_>, run: BarRun, readings: Vec<Reading>, title: &str)
     })
 }
 
-/// What the paper says of the maps that it has.
+/// The paper's words on the maps that it has.
 fn paper(maps: &[BarMap]) -> String {
     let said = maps.iter().filter(|m| !m.reading.paper.is_empty());
     let mut said: Vec<_> = said.map(|m| (m.reading.name.as_str(), m.reading.paper)).collect();

@@ -1,59 +1,57 @@
 //! The methods and settings that are compared: the one place to add another.
 
 use anyhow::Result;
-use evigrid_eval::{Config, Method};
+use evigrid_cost_curve::{CostCurve, CostCurveBayes, WinnerTakeAll};
+use evigrid_eval::Config;
+use evigrid_grid::Method;
 
 /// A method under settings that have a name.
 #[derive(Debug, Clone)]
 pub struct Reading {
     /// For legends and tables.
     pub name: String,
-    pub method: Method,
+    pub method: &'static str,
     /// `SECTION.KEY=VALUE`; none: the method's defaults.
     pub sets: Vec<String>,
-    /// What the paper says of it, where it says something.
+    /// The paper's words on it, if any.
     pub paper: &'static str,
 }
 
 /// A line of the list below.
 struct Listed {
     name: &'static str,
-    method: Method,
+    method: &'static str,
     sets: &'static [&'static str],
     /// Whether a frame takes far below a second.
     quick: bool,
 }
 
-const fn quick(name: &'static str, method: Method, sets: &'static [&'static str]) -> Listed {
+const fn quick(name: &'static str, method: &'static str, sets: &'static [&'static str]) -> Listed {
     Listed { name, method, sets, quick: true }
 }
 
-/// Every whole-curve method under every reading of what the paper leaves open, none with the left-right check. The first of a
-/// method is what recordings show.
+/// Every whole-curve method under every reading of what the paper leaves open, none with the left-right
+/// check. The first of a method is what recordings show.
 const WHOLE_CURVE: [Listed; 7] = [
-    quick("whole curve, grey levels", Method::CostCurve, &[]),
-    quick("whole curve, homogeneous", Method::CostCurve, &["cost-curve.cost_unit=homogeneous"]),
-    quick("whole curve, intensities 0..1", Method::CostCurve, &["cost-curve.cost_unit=unit-intensities"]),
-    quick(
-        "whole curve, grey levels, variance / 30",
-        Method::CostCurve,
-        &["cost-curve.variance_factor=0.0333"],
-    ),
-    quick("cost-curve-bayes (our own)", Method::CostCurveBayes, &["cost-curve-bayes.left_right_check=false"]),
+    quick("whole curve, grey levels", CostCurve::NAME, &[]),
+    quick("whole curve, homogeneous", CostCurve::NAME, &["cost-curve.cost_unit=homogeneous"]),
+    quick("whole curve, intensities 0..1", CostCurve::NAME, &["cost-curve.cost_unit=unit-intensities"]),
+    quick("whole curve, grey levels, variance / 30", CostCurve::NAME, &["cost-curve.variance_factor=0.0333"]),
+    quick("cost-curve-bayes (our own)", CostCurveBayes::NAME, &["cost-curve-bayes.left_right_check=false"]),
     quick(
         "whole curve, homogeneous, eq. 6",
-        Method::CostCurve,
+        CostCurve::NAME,
         &["cost-curve.cost_unit=homogeneous", "cost-curve.free_space_model=true"],
     ),
     Listed {
         name: "whole curve, homogeneous, spread over cells",
-        method: Method::CostCurve,
+        method: CostCurve::NAME,
         sets: &["cost-curve.cost_unit=homogeneous", "cost-curve.hypotheses_to_cells=spread-over-cells"],
         quick: false,
     },
 ];
 
-/// What the name of a reading ends with that has the left-right check.
+/// End of the name of a reading with the left-right check.
 pub const CHECKED: &str = ", left-right check";
 
 /// Depth up to which maps are compared, unless said otherwise: the default of the whole curve, metres.
@@ -73,7 +71,7 @@ impl Listed {
     fn reading(&self, paper: &'static str) -> Reading {
         let sets = self.sets.iter().map(|&set| set.to_owned()).collect();
         // What the paper says, it says of its own method.
-        let paper = if self.method == Method::CostCurve { paper } else { "" };
+        let paper = if self.method == CostCurve::NAME { paper } else { "" };
         Reading { name: self.name.to_owned(), method: self.method, sets, paper }.within_depth(DEPTH_M)
     }
 }
@@ -82,7 +80,7 @@ impl Listed {
 pub fn winner_take_all(peak_ratio: f64, paper: &'static str) -> Reading {
     Reading {
         name: format!("winner-take-all, peak ratio {peak_ratio}"),
-        method: Method::WinnerTakeAll,
+        method: WinnerTakeAll::NAME,
         sets: vec![
             format!("winner-take-all.peak_ratio={peak_ratio}"),
             "winner-take-all.left_right_check=false".into(),
@@ -93,20 +91,20 @@ pub fn winner_take_all(peak_ratio: f64, paper: &'static str) -> Reading {
 }
 
 impl Reading {
-    /// The same up to another depth.
+    /// The reading up to another depth.
     pub fn within_depth(mut self, depth_m: f64) -> Self {
         self.set("max_depth_m", &depth_m.to_string());
         self
     }
 
-    /// The same with the left-right check.
+    /// The reading with the left-right check.
     pub fn checked(mut self) -> Self {
         self.set("left_right_check", "true");
         self.name += CHECKED;
         self
     }
 
-    /// The same without it.
+    /// The reading without the left-right check.
     pub fn unchecked(mut self) -> Self {
         self.set("left_right_check", "false");
         self
@@ -114,7 +112,7 @@ impl Reading {
 
     /// Gives a setting of the method a value, once.
     fn set(&mut self, key: &str, value: &str) {
-        let key = format!("{}.{key}=", self.method.name());
+        let key = format!("{}.{key}=", self.method);
         self.sets.retain(|set| !set.starts_with(&key));
         self.sets.push(format!("{key}{value}"));
     }
@@ -123,7 +121,7 @@ impl Reading {
     pub fn config(&self, base: &[String]) -> Result<Config> {
         let sets = [base, &self.sets[..]].concat();
         let mut config = Config::load(None, &sets)?;
-        config.run.methods = vec![self.method.name().to_owned()];
+        config.run.methods = vec![self.method.to_owned()];
         Ok(config)
     }
 }

@@ -1,5 +1,6 @@
-//! The figures and the table of Brandao, Ferreira, Hashimoto, Santos-Victor, Takanishi: "Integrating the whole cost-curve
-//! of stereo into occupancy grids". Each item becomes ITEM.csv and ITEM.svg, with what the paper says beside ours.
+//! The figures and the table of Brandao, Ferreira, Hashimoto, Santos-Victor, Takanishi: "Integrating
+//! the whole cost-curve of stereo into occupancy grids". Each item becomes ITEM.csv and ITEM.svg, with
+//! what the paper says beside ours.
 
 mod bar_maps;
 mod bar_picture;
@@ -18,12 +19,8 @@ mod ray;
 mod table1;
 mod top_view;
 
-use std::path::PathBuf;
-
-use anyhow::Result;
-
+use crate::Group;
 use crate::job::{Make, make_items};
-use crate::{Folders, Tools};
 
 /// All items, in the order of the paper. (Fig. 7 is a photograph and the laser's reference.)
 const ITEMS: [(&str, Make); 10] = [
@@ -39,7 +36,9 @@ const ITEMS: [(&str, Make); 10] = [
     ("table1", table1::make),
 ];
 
-/// Makes one item or all of them.
-pub fn reproduce(item: Option<&str>, folders: &Folders, tools: &mut Tools<'_>) -> Result<Vec<PathBuf>> {
-    make_items("brandao", &ITEMS, item, folders, tools)
-}
+/// The group of this paper.
+pub const GROUP: Group = Group {
+    name: "brandao",
+    items: || ITEMS.iter().map(|(name, _)| *name).collect(),
+    make: |item, folders, tools| make_items("brandao", &ITEMS, item, folders, tools),
+};

@@ -60,7 +60,7 @@ impl Counts {
     }
 }
 
-/// What describes a distribution.
+/// Moments and other numbers that describe a distribution.
 #[derive(Debug, Clone, Copy)]
 pub struct Moments {
     pub mean: f64,
@@ -69,7 +69,8 @@ pub struct Moments {
     pub skewness: f64,
     /// 0 for a normal distribution.
     pub excess_kurtosis: f64,
-    /// Largest difference of the cumulative distribution from the normal one with this mean and variance (Kolmogorov).
+    /// Largest difference of the cumulative distribution from the normal one with this
+    /// mean and variance (Kolmogorov).
     pub distance_to_normal: f64,
 }
 

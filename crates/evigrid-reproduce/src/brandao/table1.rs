@@ -1,9 +1,10 @@
 //! Table I: how long matching and the inverse sensor model take.
 
 use anyhow::{Context, Result};
-use evigrid_core::{Frame, GrayImage, Pose, StereoRig};
-use evigrid_eval::{Config, Method};
-use evigrid_grid::{GridSpec, View};
+use evigrid_core::{Frame, GrayImage, Pose, StereoRig, View};
+use evigrid_cost_curve::{CostCurve, WinnerTakeAll};
+use evigrid_eval::Config;
+use evigrid_grid::{GridSpec, Method};
 use evigrid_replay::Sequence;
 use evigrid_stereo::BlockMatcher;
 use evigrid_synth::{SyntheticSequence, World};
@@ -86,7 +87,7 @@ fn measure(job: &mut Job<'_, '_>, sizes: &[Size], repetitions: usize) -> Result<
     Ok(timings)
 }
 
-/// What times one size.
+/// Times one size after the other.
 struct Measurer<'a> {
     watch: Stopwatch<'a>,
     threads: usize,
@@ -110,8 +111,9 @@ impl Measurer<'_> {
         reading: &Reading,
         config: &Config,
     ) -> Result<[Timing; 2]> {
-        let mut mapper = reading.method.build(GridSpec::new(&config.grid)?, config)?;
-        let keep_volume = mapper.needs_volume();
+        let method = config.methods.methods().find(reading.method).context("no such method")?;
+        let mut mapper = method.build(GridSpec::new(&config.grid)?, &config.methods.table(method.name))?;
+        let keep_volume = method.needs.costs;
         let mut matcher = BlockMatcher::new(config.stereo.block())?;
         let mut last = None;
         let matching_s = self.watch.time(|| {
@@ -119,16 +121,9 @@ impl Measurer<'_> {
             Ok(())
         })?;
         let matching = last.context("nothing was matched")?;
-        let view = View {
-            rig: frame.rig(),
-            map_from_left: frame.map_from_left(),
-            left: frame.left(),
-            right: frame.right(),
-            matches: &matching.matches,
-            volume: matching.volume.as_ref(),
-        };
+        let view = View::new(frame, None, &matching);
         let model_s = self.watch.time(|| {
-            mapper.integrate(&view);
+            mapper.integrate(&view)?;
             Ok(())
         })?;
         let timing = |task, [seconds, fastest_s]: [f64; 2], paper_s| Timing {
@@ -142,8 +137,8 @@ impl Measurer<'_> {
             paper_s,
         };
         let paper_s = match reading.method {
-            Method::WinnerTakeAll => size.paper_winner_s,
-            Method::CostCurve => size.paper_whole_s,
+            WinnerTakeAll::NAME => size.paper_winner_s,
+            CostCurve::NAME => size.paper_whole_s,
             _ => f64::NAN,
         };
         Ok([timing("matching", matching_s, size.paper_matching_s), timing("inverse model", model_s, paper_s)])
@@ -204,8 +199,13 @@ fn picture(timings: &[Timing]) -> Sheet {
     Sheet {
         title: "Table I: time for one stereo pair".into(),
         notes: vec![
-            format!("median of {REPETITIONS}; frame {FRAME} of the world `{WORLD}`, grid of 800x50x20 cells; the paper: one core at 2.7 GHz"),
-            "matching: SAD 7x7 with peak ratio and left-right difference; inverse model: with drawing and fusion".into(),
+            format!(
+                "median of {REPETITIONS}; frame {FRAME} of the world `{WORLD}`, grid of 800x50x20 \
+                 cells; the paper: one core at 2.7 GHz"
+            ),
+            "matching: SAD 7x7 with peak ratio and left-right difference; inverse model: with drawing and \
+             fusion"
+                .into(),
         ],
         columns: 1,
         panel: (1000, 460),

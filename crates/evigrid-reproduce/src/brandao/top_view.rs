@@ -5,7 +5,7 @@ use evigrid_grid::GridSpec;
 use crate::cells::Patches;
 use crate::chart::{Axis, GREEN, GREY, Marks, ORANGE, Panel, Point, Series};
 
-/// What most occupied cells of a column are; a mistake if there are as many hits.
+/// The class of most occupied cells of a column; a mistake if there are as many hits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Class {
     Nothing,

@@ -33,7 +33,8 @@ impl Drifting {
 }
 
 impl Drift {
-    /// Poses of a level camera that counts its way: errors of different metres are independent, and the first pose is exact.
+    /// Poses of a level camera that counts its way: errors of different metres are
+    /// independent, and the first pose is exact.
     fn along(&self, exact: &[Pose]) -> Vec<Pose> {
         let mut noise = Noise(self.seed);
         let mut drifted: Vec<Pose> = exact.first().copied().into_iter().collect();

@@ -1,9 +1,9 @@
 //! Fig. 7: the level of cells at the height of the optical centre, in a corridor and outdoors.
 
 use anyhow::{Context, Result};
-use evigrid_eval::{Mapped, map_together};
+use evigrid_eval::{Mapped, Recording, map_together};
 use evigrid_inverse_model::{Slice, horizontal_slice};
-use evigrid_synth::{SyntheticSequence, World};
+use evigrid_synth::World;
 use plotters::prelude::RGBColor;
 
 use super::matchers::{MATCHERS, Matcher};
@@ -14,7 +14,7 @@ use crate::job::Job;
 use crate::table::rounded;
 
 const UNSEEN: RGBColor = RGBColor(206, 222, 236);
-/// What is shown of the world to both sides, metres.
+/// The part of the world that is shown: so far to both sides, and up to so far ahead, metres.
 const HALF_M: f64 = 4.0;
 const END_M: f64 = 24.0;
 
@@ -44,7 +44,10 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
     job.write_picture(&Sheet {
         title: "Fig. 7: one level of the map, at the height of the camera".into(),
         notes: vec![
-            format!("black: occupied, white: free, blue: not seen, orange: the laser's surfaces; cells of {CELL_M} m"),
+            format!(
+                "black: occupied, white: free, blue: not seen, orange: the laser's surfaces; cells of \
+                 {CELL_M} m"
+            ),
             format!("frames {FRAMES}, every {STRIDE}th, exact poses; the paper shows pictures only"),
         ],
         columns: 1,
@@ -56,10 +59,11 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
 impl Level {
     fn new(job: &mut Job<'_, '_>, drive: &Drive, matcher: &Matcher) -> Result<Self> {
         job.say(&format!("synth:{}, {}", drive.exact, matcher.name));
-        let sequence = SyntheticSequence::new(World::builtin(drive.exact)?);
+        let recording = Recording::from(World::builtin(drive.exact)?);
         let look = |mapped: &Mapped<'_>| {
-            let spec = mapped.map.spec();
-            let slice = horizontal_slice(mapped.map, 0.0).context("the grid does not hold the camera")?;
+            let map = mapped.voxels()?;
+            let spec = map.spec();
+            let slice = horizontal_slice(map, 0.0).context("the grid does not hold the camera")?;
             let level = spec.to_cells([0.0; 3])[2] as usize;
             let surfaces = Surfaces::of(mapped).context("a world without a laser")?;
             let occupied = surfaces.occupied.iter().skip(level).step_by(spec.shape()[2]).copied().collect();
@@ -68,7 +72,7 @@ impl Level {
             Ok(Self { world, matcher, origin_m: [x0, y0], slice, occupied })
         };
         let config = drive.config(matcher, &["souza.slice=true".to_owned()])?;
-        let found = map_together(&sequence, vec![config], job.tools.clock, &look, &mut || {})?;
+        let found = map_together(&recording, vec![config], job.tools.clock, &look, &mut || {})?;
         found.into_iter().next().context("no map")
     }
 

@@ -1,11 +1,12 @@
 //! Fig. 9: the occupied cells of one scene as cubes.
 
 use anyhow::Result;
-use evigrid_core::Frame;
+use evigrid_core::{Frame, View};
 use evigrid_eval::Config;
-use evigrid_grid::{GridSpec, LogOddsGrid, View};
-use evigrid_inverse_model::InverseModelMapper;
+use evigrid_grid::{GridSpec, LogOddsGrid};
+use evigrid_inverse_model::{InverseModelMapper, Souza};
 use evigrid_replay::{Sequence, map_from_world};
+use evigrid_stereo::Extras;
 use evigrid_synth::{SyntheticSequence, VoxelState, VoxelTruth, World};
 use nalgebra::Point3;
 use plotters::prelude::RGBColor;
@@ -20,7 +21,7 @@ use crate::table::rounded;
 
 /// The frame of the corridor that is shown.
 const FRAME: usize = 30;
-/// What is shown: up to this far, metres.
+/// The picture ends this far from the camera, metres.
 const END_M: f64 = 5.0;
 const NEAR: RGBColor = RGBColor(30, 90, 200);
 const FAR: RGBColor = RGBColor(150, 190, 235);
@@ -55,8 +56,10 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
     job.write_picture(&Sheet {
         title: format!("Fig. 9: the occupied cells of one image of the corridor, cells of {CELL_M} m"),
         notes: vec![
-            format!("seen from behind the camera (orange), slanted; the paler the farther, up to {END_M} m; floor and \
-                     ceiling left out"),
+            format!(
+                "seen from behind the camera (orange), slanted; the paler the farther, up to {END_M} m; \
+                 floor and ceiling left out"
+            ),
             "the paper shows a picture only".into(),
         ],
         columns: panels.len(),
@@ -67,19 +70,11 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
 
 impl Shot {
     fn new(frame: &Frame, matcher: &Matcher, config: &Config, truth: &VoxelTruth) -> Result<Self> {
-        let matches = evigrid_stereo::Matcher::new(config.stereo)?
-            .run(frame.left(), frame.right(), false, None)?
-            .matches;
-        let view = View {
-            rig: frame.rig(),
-            map_from_left: frame.map_from_left(),
-            left: frame.left(),
-            right: frame.right(),
-            matches: &matches,
-            volume: None,
-        };
-        let (map, _) =
-            InverseModelMapper::souza(GridSpec::new(&config.grid)?, config.souza)?.single_image(&view);
+        let mut matching = evigrid_stereo::Matcher::new(config.stereo)?;
+        let matching = matching.run(frame.left(), frame.right(), Extras::default(), None)?;
+        let (spec, settings) = (GridSpec::new(&config.grid)?, config.methods.of::<Souza>()?);
+        let view = View::new(frame, None, &matching);
+        let (map, _) = InverseModelMapper::souza(spec, settings)?.single_image(&view);
         let occupied = || map.touched().filter(|(_, l)| *l > 0.0);
         let right = occupied().filter(|(cell, _)| truth.state(*cell) == VoxelState::Occupied).count();
         let occupied = occupied().count();

@@ -1,4 +1,4 @@
-//! What finds the disparities: the one place to add another.
+//! The matchers that find the disparities: the one place to add another.
 
 /// A matcher by its settings.
 #[derive(Debug, Clone, Copy)]

@@ -1,19 +1,18 @@
-//! Section 4.1 compares block matching and graph cuts in words ("considered fast"; "the most precise"). Here they are
-//! measured, with semi-global matching beside them, where the true disparity is known.
+//! Section 4.1 compares block matching and graph cuts in words ("considered fast"; "the most precise"). Here
+//! they are measured, with semi-global matching beside them, where the true disparity is known.
 
 use std::path::Path;
 
 use anyhow::Result;
-use evigrid_core::{Disparity, Frame, Matches, Pose};
+use evigrid_core::{Disparity, Frame, MatchFilter, MatchLimits, Matches, Pose};
 use evigrid_eval::Clock;
 use evigrid_metrics::MatchingScores;
 use evigrid_replay::{Sequence, middlebury_truth};
-use evigrid_stereo::{
-    GraphCutSettings, Matcher, MatcherKind, PixelCost, PreFilter, SemiGlobalSettings, StereoSettings,
-};
+use evigrid_stereo::{Extras, Matcher};
 use evigrid_synth::{LeftViewTruth, SyntheticSequence, World};
 use evigrid_truth::projected_disparity;
 
+use super::contenders::{Contender, contenders, variants};
 use crate::chart::{Axis, COLOURS, Corner, Marks, Panel, Series, Sheet};
 use crate::job::Job;
 use crate::table::rounded;
@@ -36,15 +35,7 @@ struct Data {
     pairs: Vec<(Frame, Disparity)>,
 }
 
-/// A matcher as a user would set it.
-struct Contender {
-    name: &'static str,
-    settings: StereoSettings,
-    /// Whether matches count only if the right image's agree within a pixel.
-    checked: bool,
-}
-
-/// What one matcher does on one data set.
+/// The result of one matcher on one data set.
 struct Row {
     data: String,
     frames: usize,
@@ -94,60 +85,6 @@ fn compare(job: &mut Job<'_, '_>, data: &Data, contenders: Vec<Contender>) -> Re
     Ok(rows)
 }
 
-/// Settings are those that OpenCV's documentation recommends; none was fitted to these data.
-fn contenders(disparities: usize) -> Vec<Contender> {
-    let block = StereoSettings { disparities, ..Default::default() };
-    let filtered = StereoSettings {
-        pre_filter: PreFilter::Normalized,
-        texture_threshold: 10,
-        uniqueness_percent: 15,
-        speckle_pixels: 100,
-        speckle_step_px: 1.0,
-        ..block
-    };
-    let semi_global = StereoSettings { matcher: MatcherKind::SemiGlobal, ..block };
-    let unique = StereoSettings { uniqueness_percent: 5, ..semi_global };
-    // One round: more take minutes per image, and lower the energy but not the errors (table of variants).
-    let one_round = GraphCutSettings { max_rounds: 1, ..Default::default() };
-    let graph_cuts = StereoSettings { matcher: MatcherKind::GraphCuts, graph_cuts: one_round, ..block };
-    let contender = |name, settings, checked| Contender { name, settings, checked };
-    vec![
-        contender("block 7x7", block, false),
-        contender("block 7x7, left-right check", block, true),
-        contender("block 7x7, Souza's filters", filtered, false),
-        contender("semi-global", semi_global, false),
-        contender("semi-global, uniqueness 5, left-right check", unique, true),
-        contender("graph cuts, one round", graph_cuts, false),
-    ]
-}
-
-/// Semi-global matching with one setting changed, uniqueness 5 and the left-right check.
-fn variants(disparities: usize) -> Vec<Contender> {
-    let block = StereoSettings { disparities, uniqueness_percent: 5, ..Default::default() };
-    let base = SemiGlobalSettings::default();
-    let with = |semi_global| StereoSettings { matcher: MatcherKind::SemiGlobal, semi_global, ..block };
-    let contender = |name, settings| Contender { name, settings, checked: true };
-    vec![
-        contender("semi-global", with(base)),
-        contender("speckles 100", StereoSettings { speckle_pixels: 100, ..with(base) }),
-        contender("4 paths", with(SemiGlobalSettings { paths: 4, ..base })),
-        contender("adapted p2", with(SemiGlobalSettings { adapt_p2: true, ..base })),
-        contender(
-            "absolute differences",
-            with(SemiGlobalSettings { pixel_cost: PixelCost::AbsoluteDifference, ..base }),
-        ),
-        contender(
-            "census, p1 40, p2 160",
-            with(SemiGlobalSettings { pixel_cost: PixelCost::Census, p1: 40, p2: 160, ..base }),
-        ),
-        contender("block 7x7", block),
-        contender(
-            "graph cuts, four rounds",
-            StereoSettings { matcher: MatcherKind::GraphCuts, uniqueness_percent: 0, ..block },
-        ),
-    ]
-}
-
 impl Contender {
     fn run(&self, data: &Data, clock: &dyn Clock) -> Result<Row> {
         let mut matcher = Matcher::new(self.settings)?;
@@ -157,7 +94,7 @@ impl Contender {
             let mut last = None;
             for _ in 0..REPETITIONS {
                 let start = clock.now_ms();
-                last = Some(matcher.run(frame.left(), frame.right(), false, last.take())?);
+                last = Some(matcher.run(frame.left(), frame.right(), Extras::default(), last.take())?);
                 fastest = fastest.min(clock.now_ms() - start);
                 if fastest > LONG_MS {
                     break;
@@ -181,13 +118,12 @@ impl Contender {
         if !self.checked {
             return Ok(matches.disparity);
         }
-        let pixels = matches.disparity.values().iter().zip(&matches.left_right_difference_px);
-        let values = pixels.map(|(&d, &difference)| if difference <= 1 { d } else { f32::NAN }).collect();
-        Ok(Disparity::new(matches.disparity.width(), matches.disparity.height(), values)?)
+        Ok(MatchFilter::new(&matches, &MatchLimits::left_right(Some(1))).disparity()?)
     }
 }
 
-/// Frames of a data set that the project knows, if it is there: their truth is the laser's, or the pair's own.
+/// Frames of a data set that the project knows, if it is there: their truth is
+/// the laser's, or the pair's own.
 fn real(job: &Job<'_, '_>, id: &str, frames: &[usize]) -> Result<Option<Data>> {
     let Some((_, dir)) = job.dataset(id)? else { return Ok(None) };
     let sequence = evigrid_replay::open(&dir)?;
@@ -245,7 +181,8 @@ fn picture(rows: &[Row]) -> Sheet {
     Sheet {
         title: "Matchers: how much is matched, and how much of that is wrong".into(),
         notes: vec![
-            "of the pixels with known disparity; truth: structured light (Cones), laser (drive), exact (worlds)"
+            "of the pixels with known disparity; truth: structured light (Cones), laser (drive), exact \
+             (worlds)"
                 .into(),
         ],
         columns: 2,

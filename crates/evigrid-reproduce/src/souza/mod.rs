@@ -1,6 +1,7 @@
-//! The figures of Souza, Maia, Goncalves, "3D Probabilistic Occupancy Grid to Robotic Mapping with Stereo Vision" (2012), and
-//! whether its claim holds. The paper publishes no numbers.
+//! The figures of Souza, Maia, Goncalves, "3D Probabilistic Occupancy Grid to Robotic Mapping with Stereo
+//! Vision" (2012), and whether its claim holds. The paper publishes no numbers.
 
+mod contenders;
 mod cubes;
 mod drifting;
 mod fig1;
@@ -13,12 +14,8 @@ mod motion_picture;
 mod motion_sweep;
 mod robot;
 
-use std::path::PathBuf;
-
-use anyhow::Result;
-
+use crate::Group;
 use crate::job::{Make, make_items};
-use crate::{Folders, Tools};
 
 /// All items. (Figs 2 to 6 and 8 are sketches and photographs.)
 const ITEMS: [(&str, Make); 5] = [
@@ -29,7 +26,9 @@ const ITEMS: [(&str, Make); 5] = [
     ("matching", matching::make),
 ];
 
-/// Makes one item or all of them.
-pub fn reproduce(item: Option<&str>, folders: &Folders, tools: &mut Tools<'_>) -> Result<Vec<PathBuf>> {
-    make_items("souza", &ITEMS, item, folders, tools)
-}
+/// The group of this paper.
+pub const GROUP: Group = Group {
+    name: "souza",
+    items: || ITEMS.iter().map(|(name, _)| *name).collect(),
+    make: |item, folders, tools| make_items("souza", &ITEMS, item, folders, tools),
+};

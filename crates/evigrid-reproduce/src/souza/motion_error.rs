@@ -1,8 +1,9 @@
 //! Whether an error of motion in the model makes better maps where the poses are those of odometry.
 
 use anyhow::Result;
-use evigrid_eval::Config;
+use evigrid_eval::{Config, Recording as Replayed};
 use evigrid_metrics::Counts;
+use evigrid_replay::Sequence;
 use evigrid_synth::{SyntheticSequence, World};
 
 use super::drifting::{Drift, Drifting};
@@ -52,10 +53,11 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
     job.write_picture(&picture(&recordings))
 }
 
-/// A drive with exact poses, those of its world's odometry, and those of worse odometry; all scored against the laser of the first.
+/// A drive with exact poses, those of its world's odometry, and those of worse odometry; all scored
+/// against the laser of the first.
 fn robot_drive(job: &mut Job<'_, '_>, drive: &Drive) -> Result<Vec<Recording>> {
     let config = |sets: &[String]| drive.config(&MATCHERS[0], sets);
-    let open = |world| Ok::<_, anyhow::Error>(SyntheticSequence::new(World::builtin(world)?));
+    let open = |world| Ok::<_, anyhow::Error>(Replayed::from(World::builtin(world)?));
     let clock = job.tools.clock;
     job.say(&format!("synth:{}", drive.exact));
     let (maps, surfaces) = sweep(settings(), &open(drive.exact)?, &config, None, clock)?;
@@ -68,8 +70,9 @@ fn robot_drive(job: &mut Job<'_, '_>, drive: &Drive) -> Result<Vec<Recording>> {
         let poses = format!("odometry 3 times as wrong ({seed})");
         job.say(&format!("synth:{}, {poses}", drive.exact));
         let drift = Drift { metres: WRONGER[0], degrees: WRONGER[1], seed };
-        let drifting = Drifting::new(open(drive.exact)?, &drift)?;
-        let (maps, _) = sweep(growing_settings(), &drifting, &config, surfaces.as_ref(), clock)?;
+        let exact = SyntheticSequence::new(World::builtin(drive.exact)?);
+        let drifting: Box<dyn Sequence> = Box::new(Drifting::new(exact, &drift)?);
+        let (maps, _) = sweep(growing_settings(), &drifting.into(), &config, surfaces.as_ref(), clock)?;
         recordings.push(recording(poses, maps));
     }
     Ok(recordings)
@@ -81,8 +84,8 @@ fn real_drive(job: &mut Job<'_, '_>) -> Result<Option<Recording>> {
         log::warn!("motion-error: {} is left out", job.missing(drive::WANTED));
         return Ok(None);
     };
-    let sequence = evigrid_replay::open(&drive.dir)?;
-    let name = sequence.info().id.clone();
+    let recording = Replayed::from(evigrid_replay::open(&drive.dir)?);
+    let name = recording.sequence().info().id.clone();
     job.say(&name);
     let config = |sets: &[String]| {
         let base = [format!("run.frames={}", drive.frames)];
@@ -90,7 +93,7 @@ fn real_drive(job: &mut Job<'_, '_>) -> Result<Option<Recording>> {
         config.run.methods = vec!["souza".to_owned()];
         Ok(config)
     };
-    let (maps, _) = sweep(settings(), sequence.as_ref(), &config, None, job.tools.clock)?;
+    let (maps, _) = sweep(settings(), &recording, &config, None, job.tools.clock)?;
     Ok(Some(Recording { name, poses: "GPS and inertial".to_owned(), maps }))
 }
 

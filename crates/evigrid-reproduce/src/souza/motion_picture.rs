@@ -18,10 +18,12 @@ pub fn picture(recordings: &[Recording]) -> Sheet {
     Sheet {
         title: "Does an error of motion in the model (eps) make better maps?".into(),
         notes: vec![
-            "up is better; the left end, eps = 0, is Andert's model; the claim would be orange and pink lines that rise".into(),
+            "up is better; the left end, eps = 0, is Andert's model; the claim would be orange and pink \
+             lines that rise"
+                .into(),
             format!(
-                "corridor, yard: frames {FRAMES}, every {STRIDE}th, cells of {CELL_M} m, all against the laser with exact \
-                 poses"
+                "corridor, yard: frames {FRAMES}, every {STRIDE}th, cells of {CELL_M} m, all against the \
+                 laser with exact poses"
             ),
         ],
         columns: 2,

@@ -1,13 +1,12 @@
 //! Maps of one drive under many errors of motion.
 
 use anyhow::{Context, Result};
-use evigrid_eval::{Clock, Config, Mapped, map_together};
+use evigrid_eval::{Clock, Config, Mapped, Recording, map_together};
 use evigrid_metrics::Counts;
-use evigrid_replay::Sequence;
 
 use super::robot::Surfaces;
 
-/// What is said of the robot's motion.
+/// Assumptions on the error of the motion, and the prior of the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
     /// Every frame, metres, and per metre driven.
@@ -56,10 +55,11 @@ pub struct Scored {
     pub counts: Counts,
 }
 
-/// Some settings on one recording; scored against `surfaces`, or the laser of the recording itself. With them comes that reference.
+/// Some settings on one recording; scored against `surfaces`, or the laser of the recording itself.
+/// With them comes that reference.
 pub fn sweep(
     settings: Vec<Setting>,
-    sequence: &dyn Sequence,
+    recording: &Recording,
     config: &dyn Fn(&[String]) -> Result<Config>,
     surfaces: Option<&Surfaces>,
     clock: &dyn Clock,
@@ -68,9 +68,9 @@ pub fn sweep(
     let look = |mapped: &Mapped<'_>| {
         let own = Surfaces::of(mapped);
         let reference = surfaces.or(own.as_ref()).context("a recording without a laser")?;
-        Ok((reference.counts(mapped), own))
+        Ok((reference.counts(mapped.voxels()?), own))
     };
-    let found = map_together(sequence, configs?, clock, &look, &mut || {})?;
+    let found = map_together(recording, configs?, clock, &look, &mut || {})?;
     let mut own = None;
     let scored = settings.into_iter().zip(found).map(|(setting, (counts, surfaces))| {
         own = surfaces;

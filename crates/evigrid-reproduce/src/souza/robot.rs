@@ -2,7 +2,8 @@
 
 use anyhow::Result;
 use evigrid_eval::{Config, Mapped};
-use evigrid_metrics::{Counts, Reference, count};
+use evigrid_grid::LogOddsGrid;
+use evigrid_metrics::{Counts, VoxelReference, count};
 
 use super::matchers::Matcher;
 
@@ -29,7 +30,7 @@ pub const DRIVES: [Drive; 2] = [
 ];
 
 impl Drive {
-    /// What all runs on it have in common: a grid from the floor to above the lights.
+    /// The settings that all runs on it have in common: a grid from the floor to above the lights.
     pub fn config(&self, matcher: &Matcher, sets: &[String]) -> Result<Config> {
         let half = self.half_m;
         let base = [
@@ -60,14 +61,13 @@ pub struct Surfaces {
 impl Surfaces {
     /// Of the drive that a map was made on, if it has a laser.
     pub fn of(mapped: &Mapped<'_>) -> Option<Self> {
-        let truth = mapped.truth?;
-        Some(Self { occupied: truth.occupied().to_vec(), observed: truth.observed().to_vec() })
+        let truth = mapped.truth.voxels()?;
+        Some(Self { occupied: truth.occupied.to_vec(), observed: truth.observed.to_vec() })
     }
 
     /// Scores of the cells with log-odds above 0.
-    pub fn counts(&self, mapped: &Mapped<'_>) -> Counts {
-        let reference =
-            Reference { spec: mapped.map.spec(), occupied: &self.occupied, observed: &self.observed };
-        count(mapped.map.values(), &reference)
+    pub fn counts(&self, map: &LogOddsGrid) -> Counts {
+        let (spec, occupied, observed) = (map.spec(), &self.occupied[..], &self.observed[..]);
+        count(map.values(), &VoxelReference { spec, occupied, observed })
     }
 }

@@ -9,7 +9,7 @@ use evigrid_reproduce::{Folders, Tools, reproduce};
 
 pub type Row = HashMap<String, String>;
 
-/// What an item wrote.
+/// The tables that an item wrote.
 pub struct Item {
     pub header: Vec<String>,
     pub rows: Vec<Row>,

@@ -1,4 +1,4 @@
-//! What both benches match.
+//! The pair that both benches match.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use evigrid_core::GrayImage;

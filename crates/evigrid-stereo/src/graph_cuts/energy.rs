@@ -1,26 +1,27 @@
-//! What is minimised (Kolmogorov and Zabih 2001, section 3). The unknowns are assignments of a left pixel to a right one,
-//! each active or not; a pixel of either image has at most one active assignment. An active one costs its data term less
-//! the occlusion penalty; two assignments of neighbours at the same disparity, of which one is active, cost smoothness.
+//! The energy that is minimised (Kolmogorov and Zabih 2001, section 3). The unknowns are assignments of a
+//! left pixel to a right one, each active or not; a pixel of either image has at most one active assignment.
+//! An active one costs its data term less the occlusion penalty; two assignments of neighbours at the same
+//! disparity, of which one is active, cost smoothness.
 
 use evigrid_core::GrayImage;
 use rayon::prelude::*;
 
-use super::GraphCutSettings;
-use crate::matching::Shape;
+use super::settings::GraphCutSettings;
+use crate::buffers::Shape;
 
 /// Costs are whole numbers of this part of a squared grey level.
 const SCALE: i32 = 16;
 /// The label of a pixel without a match.
-pub(crate) const OCCLUDED: u16 = u16::MAX;
+pub(super) const OCCLUDED: u16 = u16::MAX;
 
 /// The energy of one pair. Pixels are numbered row by row; labels count the disparities from the smallest on.
 #[derive(Debug)]
-pub(crate) struct Energy {
+pub(super) struct Energy {
     pub shape: Shape,
     left: Vec<Pixel>,
     right: Vec<Pixel>,
     max_data: i32,
-    /// What a left pixel gains by having a match at all.
+    /// Gain of a left pixel that has a match at all.
     occlusion: i32,
     smoothness: i32,
     smoothness_at_edges: i32,
@@ -28,8 +29,8 @@ pub(crate) struct Energy {
     has_edges: bool,
 }
 
-/// A grey level, and the lowest and highest half-way to the four neighbours (Birchfield and Tomasi 1998, in both
-/// directions).
+/// A grey level, and the lowest and highest half-way to the four neighbours (Birchfield and Tomasi 1998, in
+/// both directions).
 #[derive(Debug, Clone, Copy)]
 struct Pixel {
     grey: u8,
@@ -86,8 +87,8 @@ impl Energy {
         (SCALE * difference * difference).min(self.max_data)
     }
 
-    /// Gives the neighbours of left pixel `i` that have an assignment at the disparity of one of its own, with the
-    /// smoothness penalty between the two.
+    /// Gives the neighbours of left pixel `i` that have an assignment at the disparity of one of its own,
+    /// with the smoothness penalty between the two.
     #[inline(always)]
     pub fn for_neighbours(&self, i: usize, shift: usize, mut visit: impl FnMut(usize, i32)) {
         let Shape { width, height, .. } = self.shape;
@@ -132,8 +133,8 @@ impl Energy {
         labels.par_iter().enumerate().map(of_pixel).sum()
     }
 
-    /// What a match by chance costs: of the data terms of each pixel, the one a quarter of the way from the lowest to the
-    /// highest; the mean over the pixels.
+    /// Cost of a match by chance: of the data terms of each pixel, the one a quarter of the way from the
+    /// lowest to the highest; the mean over the pixels.
     fn chance_cost(&self) -> i32 {
         let Shape { width, height, min_disparity, disparities } = self.shape;
         let quarter = disparities.div_ceil(4).max(3).min(disparities);

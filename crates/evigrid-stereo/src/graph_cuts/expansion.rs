@@ -1,5 +1,5 @@
-//! Expansion moves: of all active assignments, any may be given up, and any of one disparity may become active. The best
-//! of these moves is a minimum cut (Kolmogorov and Zabih 2001, section 4).
+//! Expansion moves: of all active assignments, any may be given up, and any of one disparity may become
+//! active. The best of these moves is a minimum cut (Kolmogorov and Zabih 2001, section 4).
 
 use super::energy::{Energy, OCCLUDED};
 use super::max_flow::MaxFlow;
@@ -10,7 +10,7 @@ const NO_NODE: u32 = u32::MAX;
 
 /// Which assignments are active: the label of every left pixel, and of the right one that it is assigned to.
 #[derive(Debug, Clone)]
-pub(crate) struct Labels {
+pub(super) struct Labels {
     pub left: Vec<u16>,
     right: Vec<u16>,
 }
@@ -31,16 +31,16 @@ impl Labels {
     }
 }
 
-/// The assignments that a move may change, and the graph of the move. An active assignment of another disparity stays
-/// active on the source's side; one of the move's disparity becomes active on the sink's.
+/// The assignments that a move may change, and the graph of the move. An active assignment of another
+/// disparity stays active on the source's side; one of the move's disparity becomes active on the sink's.
 ///
-/// Labellings that a best move has led to gain nothing by giving assignments up alone. So of the active ones, only those
-/// need be looked at that a candidate touches, directly or through neighbours.
+/// Labellings that a best move has led to gain nothing by giving assignments up alone. So of the active ones,
+/// only those need be looked at that a candidate touches, directly or through neighbours.
 #[derive(Debug)]
-pub(crate) struct Expansion {
+pub(super) struct Expansion {
     flow: MaxFlow,
-    /// Of the assignments at the move's disparity: cost of an active one, given that dropped neighbours are not active, and
-    /// the sum of the penalties towards those that are not dropped.
+    /// Of the assignments at the move's disparity: cost of an active one, given that dropped neighbours are
+    /// not active, and the sum of the penalties towards those that are not dropped.
     costs: Vec<i32>,
     slack: Vec<i32>,
     /// Nodes of assignments of the move's disparity, and of active ones of others, by left pixel.
@@ -68,10 +68,10 @@ impl Expansion {
         }
     }
 
-    /// Makes the best expansion of `label`, if it lowers the energy. Returned is the energy.
+    /// Makes the best expansion of `label`, if it lowers the energy. Returns the energy.
     pub fn run(&mut self, energy: &Energy, labels: &mut Labels, before: i64, label: u16) -> i64 {
         let shift = energy.shift(label);
-        self.flow.clear();
+        self.flow.graph.clear();
         self.find_candidates(energy, shift);
         if self.candidates.is_empty() {
             return before;
@@ -92,8 +92,8 @@ impl Expansion {
         after
     }
 
-    /// Drops the assignments that cannot gain anything, whatever their neighbours do: those whose cost is at least the
-    /// penalties that being active could spare. The others get nodes.
+    /// Drops the assignments that cannot gain anything, whatever their neighbours do: those whose cost is at
+    /// least the penalties that being active could spare. The others get nodes.
     fn find_candidates(&mut self, energy: &Energy, shift: usize) {
         self.dropped.clear();
         self.candidates.clear();
@@ -126,13 +126,14 @@ impl Expansion {
         }
         for i in 0..self.costs.len() {
             if self.slack[i] != i32::MIN {
-                self.new_nodes[i] = self.flow.add_node(self.costs[i]);
+                self.new_nodes[i] = self.flow.graph.add_node(self.costs[i]);
                 self.candidates.push(i as u32);
             }
         }
     }
 
-    /// The left pixels whose active assignment shares a pixel with assignment (i, label): its own and that of its right one.
+    /// The left pixels whose active assignment shares a pixel with assignment (i, label): its own and that of
+    /// its right one.
     fn rivals(energy: &Energy, labels: &Labels, i: usize, label: u16) -> [Option<usize>; 2] {
         let right = i - energy.shift(label);
         let other = |active: u16| active != OCCLUDED && active != label;
@@ -142,8 +143,8 @@ impl Expansion {
         ]
     }
 
-    /// Gives nodes to the active assignments of other disparities that candidates share a pixel with, and to those of the
-    /// same disparity beside them.
+    /// Gives nodes to the active assignments of other disparities that candidates share a pixel with, and to
+    /// those of the same disparity beside them.
     fn add_touched(&mut self, energy: &Energy, labels: &Labels, label: u16) {
         self.old_nodes.fill(NO_NODE);
         self.touched.clear();
@@ -173,7 +174,7 @@ impl Expansion {
             next += 1;
         }
         for &i in &self.touched {
-            self.old_nodes[i as usize] = self.flow.add_node(-self.slack[i as usize]);
+            self.old_nodes[i as usize] = self.flow.graph.add_node(-self.slack[i as usize]);
         }
     }
 
@@ -183,7 +184,7 @@ impl Expansion {
             energy.for_neighbours(i as usize, shift, |j, penalty| {
                 let other = self.new_nodes[j];
                 if j > i as usize && other != NO_NODE {
-                    self.flow.add_arcs(node, other, penalty, penalty);
+                    self.flow.graph.add_arcs(node, other, penalty, penalty);
                 }
             });
         }
@@ -191,7 +192,7 @@ impl Expansion {
             let (node, own) = (self.old_nodes[i as usize], labels.left[i as usize]);
             energy.for_neighbours(i as usize, energy.shift(own), |j, penalty| {
                 if j > i as usize && labels.left[j] == own {
-                    self.flow.add_arcs(node, self.old_nodes[j], penalty, penalty);
+                    self.flow.graph.add_arcs(node, self.old_nodes[j], penalty, penalty);
                 }
             });
         }
@@ -202,7 +203,7 @@ impl Expansion {
         for &i in &self.candidates {
             for rival in Self::rivals(energy, labels, i as usize, label).into_iter().flatten() {
                 let (old, new) = (self.old_nodes[rival], self.new_nodes[i as usize]);
-                self.flow.add_arcs(old, new, FORBIDDEN, 0);
+                self.flow.graph.add_arcs(old, new, FORBIDDEN, 0);
             }
         }
     }

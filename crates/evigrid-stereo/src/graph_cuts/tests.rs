@@ -1,5 +1,4 @@
 use super::*;
-use crate::GraphCutSettings;
 use proptest::prelude::*;
 
 fn image(width: usize, height: usize, pixels: &[u8]) -> GrayImage {
@@ -52,7 +51,8 @@ fn is_unique(energy: &Energy, labels: &[u16]) -> bool {
     })
 }
 
-/// The lowest energy of all expansions of a label: every pixel keeps its label, gives it up, or takes the new one.
+/// The lowest energy of all expansions of a label: every pixel keeps its label, gives it up, or takes the new
+/// one.
 fn best_expansion(energy: &Energy, labels: &[u16], label: u16) -> i64 {
     let mut moved = labels.to_vec();
     best_from(energy, labels, label, 0, &mut moved)

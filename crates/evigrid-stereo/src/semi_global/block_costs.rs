@@ -1,27 +1,27 @@
-//! The cost of a block under every hypothesis: pixel costs summed over a square by running sums, computed while a pass
-//! goes over the image, so that they are never stored as a whole.
+//! The cost of a block under every hypothesis: pixel costs summed over a square by running sums, computed
+//! while a pass goes over the image, so that they are never stored as a whole.
 
-use super::Job;
+use super::job::Job;
 use super::pixel_costs::{CHUNK, Cost, MAX_PLANES, PlaneRow};
 use super::travel::Travel;
 
-/// The cost of a hypothesis that does not exist: above any path cost by more than all penalties, and small enough that
-/// penalties can be added to it.
-pub(crate) const MISSING: u16 = i16::MAX as u16;
+/// The cost of a hypothesis that does not exist: above any path cost by more than all penalties, and small
+/// enough that penalties can be added to it.
+pub(super) const MISSING: u16 = i16::MAX as u16;
 
 /// Running sums of one pass. Positions count along the pass' direction of travel.
 #[derive(Debug, Default)]
-pub(crate) struct BlockCosts {
+pub(super) struct BlockCosts {
     /// Sums down the block, `[position][hypothesis]`.
     columns: Vec<u16>,
     /// Sum over the block around the current pixel.
     block: Vec<u16>,
-    /// Its costs: the sum divided, [`MISSING`] where there is no hypothesis.
+    /// Costs of the block: the sum divided, [`MISSING`] where there is no hypothesis.
     costs: Vec<u16>,
 }
 
-/// What enters and leaves the columns when a pass moves on by a row.
-pub(crate) struct Rows<'a> {
+/// Rows of pixels that enter and leave the columns when a pass moves on by a row.
+pub(super) struct Rows<'a> {
     entering: PlaneRow<'a>,
     leaving: PlaneRow<'a>,
 }

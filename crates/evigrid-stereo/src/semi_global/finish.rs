@@ -2,27 +2,27 @@
 
 use evigrid_core::NO_COST;
 
-use super::Job;
+use super::job::Job;
 use super::pixel_costs::CHUNK;
 use crate::winner::{LANES, RowCosts, Winners, is_unique, parabola_vertex, peak_ratio};
 
-/// Where the rows of one half of the image go.
-pub(crate) struct OutRows<'a> {
+/// Output rows of one half of the image.
+pub(super) struct OutRows<'a> {
     pub disparity: &'a mut [f32],
     pub peak_ratio: &'a mut [f32],
     pub left_right: &'a mut [u16],
     pub volume: Option<&'a mut [u16]>,
 }
 
-/// What the search in one row needs.
+/// Working memory of the search in one row.
 #[derive(Debug, Default)]
-pub(crate) struct RowSearch {
+pub(super) struct RowSearch {
     /// The sums of [`LANES`] pixels, `[hypothesis][pixel]`.
     tile: Vec<u16>,
     /// Winners of the row's pixels.
     index: Vec<u16>,
-    /// Lowest sum and its hypothesis of every pixel of the right image, from the last column to the first, and of as
-    /// many more as hypotheses may point out of it.
+    /// Lowest sum and its hypothesis of every pixel of the right image, from the last column to the first,
+    /// and of as many more as hypotheses may point out of it.
     right_lowest: Vec<u16>,
     right_index: Vec<u16>,
     /// 0, 1, 2, ...
@@ -40,8 +40,8 @@ impl RowSearch {
         self.numbers.extend(0..job.padded as u16);
     }
 
-    /// Finishes a row. `sums` and `others` are the path costs that two passes have summed, `[column][hypothesis]`; what
-    /// stands there for missing hypotheses means nothing. The total is left in `sums`.
+    /// Finishes a row. `sums` and `others` are the path costs that two passes have summed,
+    /// `[column][hypothesis]`; values for missing hypotheses mean nothing. The total is left in `sums`.
     #[inline(always)]
     pub fn finish_row(
         &mut self,
@@ -78,7 +78,8 @@ impl RowSearch {
         self.write_row(job, sums, ratio, &mut out.disparity[place.clone()], &mut out.left_right[place]);
     }
 
-    /// The lowest sums of the right image's pixels. Hypotheses come from small to large, so ties go to the smaller.
+    /// The lowest sums of the right image's pixels. Hypotheses come from small to large, so ties go to the
+    /// smaller.
     #[inline(always)]
     fn search_right(&mut self, job: &Job<'_>, sums: &[u16]) {
         self.right_lowest.fill(NO_COST);
@@ -109,7 +110,8 @@ impl RowSearch {
         }
     }
 
-    /// Winners and minima of the tile; a first minimum of [`NO_COST`] where there is none or it is not unique.
+    /// Winners and minima of the tile; a first minimum of [`NO_COST`] where there is none or it is not
+    /// unique.
     #[inline(always)]
     fn search_tile(&self, job: &Job<'_>) -> Winners {
         let costs = RowCosts { costs: &self.tile, stride: LANES, disparities: job.shape.disparities };
@@ -158,7 +160,7 @@ impl RowSearch {
             let at = usize::from(index);
             let curve = &sums[x * job.padded..(x + 1) * job.padded];
             let vertex = match at.checked_sub(1).and_then(|below| curve.get(below..below + 3)) {
-                Some(&[before, cost, after]) => parabola_vertex([before, cost, after]),
+                Some(&[before, cost, after]) => parabola_vertex(before, cost, after),
                 _ => 0.0,
             };
             disparity[x] = (job.shape.min_disparity + at) as f32 + vertex;

@@ -1,33 +1,51 @@
-//! Semi-global matching: H. Hirschmueller, "Stereo processing by semiglobal matching and mutual information", PAMI 30(2),
-//! 2008, section II-B.
+//! Semi-global matching: H. Hirschmueller, "Stereo processing by semiglobal matching and mutual information",
+//! PAMI 30(2), 2008, section II-B.
+//!
+//! Two passes go over the image, one from the top and one from the bottom, on two threads. Each follows half
+//! of the paths. A pass leaves the sums of its first half of the image in memory. The other pass comes by
+//! later, adds its own sums and finishes the rows (winner, ratio, left-right difference) while they are in
+//! the cache. So each sum is stored once and read once, and the result does not depend on the threads.
+//!
+//! - A cost curve is a run of hypotheses, padded to a multiple of 32. The rows of the right image are kept
+//!   reversed, so that the pixels of all hypotheses of one left pixel lie side by side.
+//! - Both passes compute the block costs for themselves, by running sums. That is cheaper than to store and
+//!   read them.
+//! - Each direction keeps one curve per column of the row before. The curves lie in slots that move by 0, 1
+//!   or 2 with every row, so a path always comes from the slot after its own, and its curve overwrites one
+//!   that is no longer needed.
+//! - A hypothesis with x - d outside the image costs more than any path with all penalties. So no path takes
+//!   it, and the loops need not ask.
 
 mod block_costs;
 mod finish;
+mod job;
 mod pass;
 mod paths;
 mod pixel_costs;
 mod settings;
 mod travel;
 
-use evigrid_core::GrayImage;
+use evigrid_core::{GrayImage, Matching};
 
 pub use settings::{PixelCost, SemiGlobalSettings};
 
-use crate::block_matcher::require_same_size;
-use crate::matching::{Buffers, Matching, Shape};
-use crate::{BlockMatchingSettings, StereoError};
+use crate::buffers::{Buffers, Shape};
+use crate::error::StereoError;
+use crate::pair_matcher::{Extras, PairMatcher, require_disparities, require_same_size};
 use finish::OutRows;
+use job::Job;
 use pass::{Pass, Sums, run_steps};
-use pixel_costs::{CHUNK, Planes};
+use pixel_costs::Planes;
 use travel::Travel;
 
-/// Semi-global matching: block costs summed along 4 or 8 paths that end at each pixel, on which steps of the disparity
-/// are penalised; winner-take-all with a parabola for the sub-pixel part, peak ratio, left-right difference.
+/// Semi-global matching: block costs summed along 4 or 8 paths that end at each pixel, on which steps of the
+/// disparity are penalised; winner-take-all with a parabola for the sub-pixel part, peak ratio, left-right
+/// difference.
 ///
-/// Pixel (x, y) of the left image is compared with (x - d, y) of the right one, for all d with x - d inside. Blocks that
-/// reach over a border repeat the border's pixel costs. The volume holds the mean over the paths, rounded to the nearest
-/// whole number (halves up), so that it keeps the unit of a block's cost; winners and ratios are those of the exact sums.
-/// Buffers are kept from frame to frame.
+/// Pixel (x, y) of the left image is compared with (x - d, y) of the right one, for all d with x - d inside.
+/// Blocks that reach over a border repeat the border's pixel costs. The volume holds the mean over the paths,
+/// rounded to the nearest whole number (halves up), so that it keeps the unit of a block's cost; winners and
+/// ratios are those of the exact sums. Buffers are kept from frame to frame.
 #[derive(Debug)]
 pub struct SemiGlobalMatcher {
     settings: SemiGlobalSettings,
@@ -40,7 +58,7 @@ pub struct SemiGlobalMatcher {
 }
 
 impl SemiGlobalMatcher {
-    /// A matcher with these settings for the whole disparities `min_disparity .. min_disparity + disparities`.
+    /// A matcher with these settings that tries so many whole disparities, from the smallest on.
     ///
     /// # Errors
     /// If a setting is outside its domain.
@@ -49,8 +67,7 @@ impl SemiGlobalMatcher {
         min_disparity: usize,
         disparities: usize,
     ) -> Result<Self, StereoError> {
-        // The same bounds as for blocks.
-        BlockMatchingSettings { min_disparity, disparities, ..Default::default() }.checked()?;
+        require_disparities(min_disparity, disparities)?;
         Ok(Self {
             settings: settings.checked()?,
             min_disparity,
@@ -62,15 +79,16 @@ impl SemiGlobalMatcher {
         })
     }
 
-    /// The same matcher, which drops a match if a hypothesis that is no neighbour of the winner costs less than
+    /// Makes the matcher drop a match if a hypothesis that is no neighbour of the winner costs less than
     /// `100 / (100 - percent)` times as much; 0 (at first) drops none. The rule is OpenCV's.
     #[must_use]
     pub fn with_uniqueness(self, percent: u32) -> Self {
         Self { uniqueness_percent: percent.min(99), ..self }
     }
 
-    /// Matches a pair. `keep_volume` keeps all costs; `recycled` is the result of an earlier frame, whose buffers are
-    /// filled again. The result does not depend on the number of threads, of which up to two are used.
+    /// Matches a pair. `keep_volume` keeps all costs; `recycled` is the result of an earlier frame, whose
+    /// buffers are filled again. The result does not depend on the number of threads, of which up to two are
+    /// used.
     ///
     /// # Errors
     /// If the images differ in size, or there are more than 2^31 costs.
@@ -88,25 +106,48 @@ impl SemiGlobalMatcher {
             min_disparity: self.min_disparity,
             disparities: self.disparities,
         };
-        let Shape { width, height, disparities, .. } = shape;
-        if width.saturating_mul(height).saturating_mul(disparities) > MOST_COSTS {
-            return Err(StereoError::TooManyCosts { width, height, disparities, most: MOST_COSTS });
-        }
+        require_few_costs(shape)?;
         self.planes.fill(&self.settings, shape, left, right);
         let job = Job::new(self.settings, shape, self.uniqueness_percent, left, &self.planes);
         let row_len = shape.width * job.padded;
         self.sums.resize(shape.height * row_len, 0);
         let mut out = Buffers::new(shape, keep_volume, recycled);
         run_passes(&job, &mut self.passes, &mut self.sums, &mut out);
-        out.into_matching(shape)
+        Ok(out.into_matching(shape, self.settings.cost_scale())?)
     }
 }
 
-/// Costs of one pair, 2 bytes each: 4 GiB, and as much again where the volume is kept.
+impl PairMatcher for SemiGlobalMatcher {
+    fn run(
+        &mut self,
+        left: &GrayImage,
+        right: &GrayImage,
+        wanted: Extras,
+        recycled: Option<Matching>,
+    ) -> Result<Matching, StereoError> {
+        Self::run(self, left, right, wanted.costs, recycled)
+    }
+}
+
+/// Largest number of costs of one pair. They take 2 bytes each: 4 GiB, and as much again where the volume is
+/// kept.
 const MOST_COSTS: usize = 1 << 31;
 
-/// Two passes, one from the top and one from the bottom. Each leaves the sums of its first half of the image to the
-/// other, which adds its own and finishes the rows.
+/// Refuses a pair with more than [`MOST_COSTS`] costs.
+fn require_few_costs(shape: Shape) -> Result<(), StereoError> {
+    let Shape { width, height, disparities, .. } = shape;
+    if width.saturating_mul(height).saturating_mul(disparities) <= MOST_COSTS {
+        return Ok(());
+    }
+    Err(StereoError::TooLarge {
+        matcher: "semi-global matching",
+        expected: format!("at most {MOST_COSTS} costs"),
+        found: format!("{width}x{height} pixels with {disparities} disparities"),
+    })
+}
+
+/// Runs two passes, one from the top and one from the bottom. Each leaves the sums of its first half of the
+/// image to the other, which adds its own and finishes the rows.
 fn run_passes(job: &Job<'_>, passes: &mut [Pass; 2], sums: &mut [u16], out: &mut Buffers) {
     let Shape { width, height, .. } = job.shape;
     let [down, up] = passes;
@@ -143,60 +184,4 @@ fn halves<'a>(job: &Job<'_>, middle: usize, out: &'a mut Buffers) -> (OutRows<'a
         },
         OutRows { disparity, peak_ratio, left_right, volume },
     )
-}
-
-/// One pair to match.
-pub(crate) struct Job<'a> {
-    settings: SemiGlobalSettings,
-    shape: Shape,
-    uniqueness_percent: u32,
-    left: &'a GrayImage,
-    planes: &'a Planes,
-    /// Hypotheses, padded to whole chunks.
-    padded: usize,
-    cost_shift: u32,
-    p1: u16,
-}
-
-impl<'a> Job<'a> {
-    fn new(
-        settings: SemiGlobalSettings,
-        shape: Shape,
-        uniqueness_percent: u32,
-        left: &'a GrayImage,
-        planes: &'a Planes,
-    ) -> Self {
-        let cost_shift = settings.cost_shift();
-        let padded = shape.disparities.next_multiple_of(CHUNK);
-        let p1 = (settings.p1 >> cost_shift) as u16;
-        Self { settings, shape, uniqueness_percent, left, planes, padded, cost_shift, p1 }
-    }
-
-    /// How many hypotheses pixel `x` has: those for which x - d is inside the right image.
-    #[inline(always)]
-    fn hypotheses(&self, x: usize) -> usize {
-        (x + 1).saturating_sub(self.shape.min_disparity).min(self.shape.disparities)
-    }
-
-    /// Where the right pixel of the smallest hypothesis of pixel `x` stands in reversed rows; the others follow.
-    #[inline(always)]
-    fn facing(&self, x: usize) -> usize {
-        self.shape.width - 1 - x + self.shape.min_disparity
-    }
-
-    /// The penalty for large steps between a pixel and the one before it on a path.
-    #[inline(always)]
-    fn p2(&self, travel: Travel, position: usize, step: usize, (dx, dy): (isize, isize)) -> u16 {
-        let SemiGlobalSettings { p1, p2, adapt_p2, .. } = self.settings;
-        if !adapt_p2 {
-            return (p2 >> self.cost_shift) as u16;
-        }
-        let grey = |position: usize, step: usize| {
-            let position = position.min(self.shape.width - 1);
-            self.left.row(travel.row(step))[travel.column(position)]
-        };
-        let before = grey(position.saturating_add_signed(dx), step.saturating_add_signed(dy));
-        let difference = usize::from(grey(position, step).abs_diff(before)).max(1);
-        ((p2 / difference).max(p1) >> self.cost_shift) as u16
-    }
 }

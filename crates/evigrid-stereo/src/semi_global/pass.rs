@@ -2,17 +2,17 @@
 
 use multiversion::multiversion;
 
-use super::Job;
 use super::block_costs::BlockCosts;
 use super::finish::{OutRows, RowSearch};
-use super::paths::{Along, Arrival, Line, advance_paths, no_path};
+use super::job::Job;
+use super::paths::{Along, Arrival, Before, Line, advance_paths, no_path};
 use super::pixel_costs::{AbsoluteDifference, BirchfieldTomasi, Census, Cost};
 use super::settings::PixelCost;
-use super::travel::Travel;
+use super::travel::{Offset, Travel};
 
-/// What one pass keeps from row to row, and from frame to frame.
+/// Memory of one pass, from row to row and from frame to frame.
 #[derive(Debug, Default)]
-pub(crate) struct Pass {
+pub(super) struct Pass {
     blocks: BlockCosts,
     /// Paths along the row: the pixel before and the current one, swapped at every step.
     along: Along,
@@ -25,7 +25,8 @@ pub(crate) struct Pass {
     size: (usize, usize, usize),
 }
 
-/// By how many slots a line moves down with every row, so that a path always comes from the slot after its own.
+/// Number of slots by which each line moves down with every row, so that a path always comes from the slot
+/// after its own.
 const DRIFTS: [usize; 3] = [2, 1, 0];
 
 impl Pass {
@@ -49,18 +50,18 @@ impl Pass {
 }
 
 /// The sums of the paths of a half of the image, `[row][column][hypothesis]`.
-pub(crate) enum Sums<'a> {
+pub(super) enum Sums<'a> {
     /// The first pass to come by leaves them.
     Leave(&'a mut [u16]),
     /// The second adds its own and finishes the rows.
     Finish(&'a [u16], OutRows<'a>),
 }
 
-/// Goes over the rows `steps` of a pass, which continue where it stopped. `first_row` is the image's row at which `sums`
-/// begin. The vector code is chosen for the processor at run time; all arithmetic is on integers or single divisions,
-/// so every choice gives the same bytes.
+/// Goes over the rows `steps` of a pass, which continue where it stopped. `first_row` is the image's row at
+/// which `sums` begin. The vector code is chosen for the processor at run time; all arithmetic is on integers
+/// or single divisions, so every choice gives the same bytes.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512vl", "x86_64+avx2", "aarch64+neon"))]
-pub(crate) fn run_steps(
+pub(super) fn run_steps(
     job: &Job<'_>,
     pass: &mut Pass,
     travel: Travel,
@@ -130,20 +131,20 @@ struct Place<'a> {
 #[inline(always)]
 fn eight_paths(job: &Job<'_>, pass: &mut Pass, place: Place<'_>) {
     let Place { travel, step, position, sums } = place;
-    let nothing = (pass.no_path.as_slice(), 0);
+    let nothing = Before { curve: &pass.no_path, lowest: 0 };
     let slot = |line: usize| position + DRIFTS[line] * (travel.height - 1 - step);
     let [before, same, after] = &mut pass.lines;
-    let (b0, m0, n0, l0) = pass.along.step();
-    let (b1, m1, n1, l1) = before.slots(slot(0), job.padded);
-    let (b2, m2, n2, l2) = same.slots(slot(1), job.padded);
-    let (b3, m3, n3, l3) = after.slots(slot(2), job.padded);
+    let (b0, n0, l0) = pass.along.step();
+    let (b1, n1, l1) = before.slots(slot(0), job.padded);
+    let (b2, n2, l2) = same.slots(slot(1), job.padded);
+    let (b3, n3, l3) = after.slots(slot(2), job.padded);
     let (first_row, first, last) = (step == 0, position == 0, position + 1 == travel.width);
-    let p2 = |from| job.p2(travel, position, step, from);
+    let p2 = |positions, steps| job.p2(travel, position, step, Offset { positions, steps });
     let arrivals = [
-        arrival(if first { nothing } else { (b0, m0) }, p2((-1, 0))),
-        arrival(if first || first_row { nothing } else { (b1, m1) }, p2((-1, -1))),
-        arrival(if first_row { nothing } else { (b2, m2) }, p2((0, -1))),
-        arrival(if last || first_row { nothing } else { (b3, m3) }, p2((1, -1))),
+        Arrival { before: if first { nothing } else { b0 }, p2: p2(-1, 0) },
+        Arrival { before: if first || first_row { nothing } else { b1 }, p2: p2(-1, -1) },
+        Arrival { before: if first_row { nothing } else { b2 }, p2: p2(0, -1) },
+        Arrival { before: if last || first_row { nothing } else { b3 }, p2: p2(1, -1) },
     ];
     let lowest = advance_paths(pass.blocks.costs(), job.p1, &arrivals, [n0, n1, n2, n3], sums);
     [*l0, *l1, *l2, *l3] = lowest;
@@ -153,20 +154,15 @@ fn eight_paths(job: &Job<'_>, pass: &mut Pass, place: Place<'_>) {
 #[inline(always)]
 fn four_paths(job: &Job<'_>, pass: &mut Pass, place: Place<'_>) {
     let Place { travel, step, position, sums } = place;
-    let nothing = (pass.no_path.as_slice(), 0);
+    let nothing = Before { curve: &pass.no_path, lowest: 0 };
     let slot = position + DRIFTS[1] * (travel.height - 1 - step);
-    let (b0, m0, n0, l0) = pass.along.step();
-    let (b1, m1, n1, l1) = pass.lines[1].slots(slot, job.padded);
-    let p2 = |from| job.p2(travel, position, step, from);
+    let (b0, n0, l0) = pass.along.step();
+    let (b1, n1, l1) = pass.lines[1].slots(slot, job.padded);
+    let p2 = |positions, steps| job.p2(travel, position, step, Offset { positions, steps });
     let arrivals = [
-        arrival(if position == 0 { nothing } else { (b0, m0) }, p2((-1, 0))),
-        arrival(if step == 0 { nothing } else { (b1, m1) }, p2((0, -1))),
+        Arrival { before: if position == 0 { nothing } else { b0 }, p2: p2(-1, 0) },
+        Arrival { before: if step == 0 { nothing } else { b1 }, p2: p2(0, -1) },
     ];
     let lowest = advance_paths(pass.blocks.costs(), job.p1, &arrivals, [n0, n1], sums);
     [*l0, *l1] = lowest;
-}
-
-#[inline(always)]
-fn arrival<'a>((before, lowest): (&'a [u16], u16), p2: u16) -> Arrival<'a> {
-    Arrival { before, lowest, p2 }
 }

@@ -3,24 +3,33 @@
 use super::block_costs::MISSING;
 use super::pixel_costs::CHUNK;
 
-/// Values before each curve: the last one stands for the hypothesis below the smallest, the rest keeps curves aligned.
+/// Values before each curve: the last one stands for the hypothesis below the smallest, the rest keeps curves
+/// aligned.
 const LEAD: usize = CHUNK;
 
-/// The path costs of the pixels that paths of one direction come from. Each pixel of a row overwrites the one that its
-/// predecessor came from, so a row takes no more memory than its pixels.
+/// The path costs of the pixels that paths of one direction come from. Each pixel of a row overwrites the one
+/// that its predecessor came from, so a row takes no more memory than its pixels.
 #[derive(Debug, Default)]
-pub(crate) struct Line {
-    /// `[slot][LEAD + hypothesis]`, and one more lead; leads hold [`MISSING`].
+pub(super) struct Line {
+    /// Path costs, `[slot][LEAD + hypothesis]`, and one more lead; leads hold [`MISSING`].
     values: Vec<u16>,
     /// The lowest path cost of each slot.
     lowest: Vec<u16>,
 }
 
-/// Where paths come from: the path costs of the pixel before, its lead included, and the lowest of them.
+/// Path costs of the pixel before, in one direction.
 #[derive(Clone, Copy)]
-pub(crate) struct Arrival<'a> {
-    pub before: &'a [u16],
+pub(super) struct Before<'a> {
+    /// Path costs of all hypotheses, the lead included.
+    pub curve: &'a [u16],
+    /// The lowest path cost.
     pub lowest: u16,
+}
+
+/// Way in which paths of one direction arrive at a pixel.
+#[derive(Clone, Copy)]
+pub(super) struct Arrival<'a> {
+    pub before: Before<'a>,
     /// Penalty for a step of more than one hypothesis.
     pub p2: u16,
 }
@@ -35,21 +44,22 @@ impl Line {
         self.lowest.resize(slots, 0);
     }
 
-    /// The curve of slot `slot + 1`, from which a path comes, that of `slot`, to which it goes, and the lowest values
-    /// of both.
+    /// The curve of slot `slot + 1`, from which a path comes, that of `slot`, to which it goes, and where the
+    /// lowest value of that goes.
     #[inline(always)]
-    pub fn slots(&mut self, slot: usize, padded: usize) -> (&[u16], u16, &mut [u16], &mut u16) {
+    pub fn slots(&mut self, slot: usize, padded: usize) -> (Before<'_>, &mut [u16], &mut u16) {
         let stride = LEAD + padded;
         let (to, from) = self.values.split_at_mut((slot + 1) * stride);
         let (to_lowest, from_lowest) = self.lowest.split_at_mut(slot + 1);
-        let before = from_lowest.first().copied().unwrap_or(0);
-        (&from[..stride + 1], before, &mut to[slot * stride + LEAD..], &mut to_lowest[slot])
+        let lowest = from_lowest.first().copied().unwrap_or(0);
+        let before = Before { curve: &from[..stride + 1], lowest };
+        (before, &mut to[slot * stride + LEAD..], &mut to_lowest[slot])
     }
 }
 
 /// The path costs of the current pixel and the one before it in the same row.
 #[derive(Debug, Default)]
-pub(crate) struct Along {
+pub(super) struct Along {
     before: Vec<u16>,
     next: Vec<u16>,
     lowest: u16,
@@ -64,23 +74,25 @@ impl Along {
         }
     }
 
-    /// Moves on to the next pixel: the curve and lowest value of the one before, and where to put its own.
+    /// Moves on to the next pixel: the curve of the one before, and where its own and the lowest value of
+    /// that go.
     #[inline(always)]
-    pub fn step(&mut self) -> (&[u16], u16, &mut [u16], &mut u16) {
+    pub fn step(&mut self) -> (Before<'_>, &mut [u16], &mut u16) {
         std::mem::swap(&mut self.before, &mut self.next);
-        (&self.before, self.lowest, &mut self.next[LEAD..], &mut self.lowest)
+        (Before { curve: &self.before, lowest: self.lowest }, &mut self.next[LEAD..], &mut self.lowest)
     }
 }
 
 /// A curve for paths that begin: nothing comes before them.
-pub(crate) fn no_path(padded: usize) -> Vec<u16> {
+pub(super) fn no_path(padded: usize) -> Vec<u16> {
     vec![0; LEAD + padded + 1]
 }
 
-/// Path costs of one pixel for `N` directions at once: `costs + min(before[d], before[d +- 1] + p1, lowest + p2) - lowest`.
-/// Their sum goes to `sums`. Returned are the lowest path costs.
+/// Path costs of one pixel for `N` directions at once: `costs[d] + min(before[d], before[d - 1] + p1,
+/// before[d + 1] + p1, lowest + p2) - lowest`. Their sum over the directions goes to `sums`. Returns the
+/// lowest path cost of each direction.
 #[inline(always)]
-pub(crate) fn advance_paths<const N: usize>(
+pub(super) fn advance_paths<const N: usize>(
     costs: &[u16],
     p1: u16,
     arrivals: &[Arrival<'_>; N],
@@ -94,12 +106,13 @@ pub(crate) fn advance_paths<const N: usize>(
         let mut total = [0_u16; CHUNK];
         for k in 0..N {
             // The hypotheses of this chunk and one more on either side.
-            let around = &arrivals[k].before[LEAD - 1 + at..LEAD + 1 + at + CHUNK];
-            let (before, jump) = (arrivals[k].lowest, arrivals[k].lowest + arrivals[k].p2);
+            let around = &arrivals[k].before.curve[LEAD - 1 + at..LEAD + 1 + at + CHUNK];
+            let lowest_before = arrivals[k].before.lowest;
+            let jump = lowest_before + arrivals[k].p2;
             let mut path = [0_u16; CHUNK];
             for i in 0..CHUNK {
                 let best = around[i + 1].min(around[i].min(around[i + 2]) + p1).min(jump);
-                path[i] = costs[i] + (best - before);
+                path[i] = costs[i] + (best - lowest_before);
                 // Where there is no hypothesis, the sum means nothing.
                 total[i] = total[i].wrapping_add(path[i]);
                 lowest[k][i] = lowest[k][i].min(path[i]);

@@ -4,18 +4,18 @@ use evigrid_core::GrayImage;
 use rayon::prelude::*;
 
 use super::settings::{PixelCost, SemiGlobalSettings};
-use crate::matching::Shape;
+use crate::buffers::Shape;
 use crate::pre_filter::sobel_x;
 
 /// Hypotheses that are treated side by side; curves are padded to multiples of it.
-pub(crate) const CHUNK: usize = 32;
-/// Bytes that the costliest kind needs to know of a pixel.
-pub(crate) const MAX_PLANES: usize = 6;
+pub(super) const CHUNK: usize = 32;
+/// Largest number of bytes per pixel that a kind of cost compares.
+pub(super) const MAX_PLANES: usize = 6;
 
-/// The planes of both images. Rows of the right image are reversed, so that the pixels x - d of one x lie in a row,
-/// and go on with the first pixel where x - d is outside.
+/// The planes of both images. Rows of the right image are reversed, so that the pixels x - d of one x lie in
+/// a row, and go on with the first pixel where x - d is outside.
 #[derive(Debug, Default)]
-pub(crate) struct Planes {
+pub(super) struct Planes {
     left: Vec<u8>,
     right: Vec<u8>,
     width: usize,
@@ -25,7 +25,7 @@ pub(crate) struct Planes {
 
 /// One row of the planes.
 #[derive(Clone, Copy)]
-pub(crate) struct PlaneRow<'a> {
+pub(super) struct PlaneRow<'a> {
     left: &'a [u8],
     right: &'a [u8],
     width: usize,
@@ -63,7 +63,7 @@ impl Planes {
 }
 
 impl PlaneRow<'_> {
-    /// What is known of the left pixel `x`.
+    /// Bytes of the left pixel `x`, one per plane.
     #[inline(always)]
     pub fn left<C: Cost>(&self, x: usize) -> [u8; MAX_PLANES] {
         let mut bytes = [0; MAX_PLANES];
@@ -73,8 +73,8 @@ impl PlaneRow<'_> {
         bytes
     }
 
-    /// What is known of the right pixels that `n` hypotheses compare with left pixel `x`. Planes that the kind of cost
-    /// does not have repeat the first.
+    /// Bytes of the right pixels that `n` hypotheses compare with left pixel `x`, one run per plane. Planes
+    /// that the kind of cost does not have repeat the first.
     #[inline(always)]
     pub fn right<C: Cost>(&self, x: usize, min_disparity: usize, n: usize) -> [&[[u8; CHUNK]]; MAX_PLANES] {
         let start = self.width - 1 - x + min_disparity;
@@ -118,7 +118,8 @@ fn fill_row(settings: &SemiGlobalSettings, image: &GrayImage, y: usize, row: &mu
     }
 }
 
-/// From a row of values, the lowest and highest within half a pixel to either side, linearly interpolated, rounded down.
+/// Fills the second and third plane of a row: the lowest and the highest value within half a pixel to either
+/// side, linearly interpolated, rounded down.
 fn half_way(row: &mut [u8]) {
     let width = row.len() / 3;
     let (values, bounds) = row.split_at_mut(width);
@@ -140,7 +141,8 @@ fn half_way(row: &mut [u8]) {
     }
 }
 
-/// Which of the 24 neighbours in 5 x 5 pixels are darker than the centre, 8 to a plane; the border is repeated outwards.
+/// Fills a row of planes with a bit for each of the 24 neighbours in 5 x 5 pixels: whether it is darker than
+/// the centre, 8 bits to a plane; the border is repeated outwards.
 fn census(image: &GrayImage, y: usize, row: &mut [u8]) {
     let (width, height) = (image.width(), image.height());
     let rows: [&[u8]; 5] = std::array::from_fn(|k| image.row((y + k).saturating_sub(2).min(height - 1)));
@@ -162,16 +164,16 @@ fn census(image: &GrayImage, y: usize, row: &mut [u8]) {
 }
 
 /// A kind of cost: of one left pixel against many right ones.
-pub(crate) trait Cost {
-    /// Bytes that it needs to know of a pixel.
+pub(super) trait Cost {
+    /// Number of bytes per pixel that it compares.
     const PLANES: usize;
     /// The costs against a chunk of right pixels, given as one chunk per plane.
     fn costs(left: &[u8; MAX_PLANES], right: [&[u8; CHUNK]; MAX_PLANES]) -> [u8; CHUNK];
 }
 
-pub(crate) struct AbsoluteDifference;
-pub(crate) struct BirchfieldTomasi;
-pub(crate) struct Census;
+pub(super) struct AbsoluteDifference;
+pub(super) struct BirchfieldTomasi;
+pub(super) struct Census;
 
 impl Cost for AbsoluteDifference {
     const PLANES: usize = 1;

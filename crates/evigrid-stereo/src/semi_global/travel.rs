@@ -1,7 +1,7 @@
-/// The way a pass goes over the image: row by row from the top, each from the left; or from the bottom, each from the
-/// right. Steps count rows and positions count columns along the way.
+/// The way a pass goes over the image: row by row from the top, each from the left; or from the bottom, each
+/// from the right. Steps count rows and positions count columns along the way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Travel {
+pub(super) struct Travel {
     pub upwards: bool,
     pub width: usize,
     pub height: usize,
@@ -25,4 +25,11 @@ impl Travel {
     pub fn row_near(self, step: usize, offset: isize) -> usize {
         self.row(step.saturating_add_signed(offset).min(self.height - 1))
     }
+}
+
+/// Offset between two pixels along the way of a pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Offset {
+    pub positions: isize,
+    pub steps: isize,
 }

@@ -13,12 +13,13 @@ const POCKET_M: f64 = 2e-4;
 /// How far from a point on an interface both solids are looked for, metres.
 const NUDGE_M: f64 = 1e-7;
 
-/// Whether some point of the cube is in none of these objects, each of which touches and none of which contains it;
-/// open meshes do not count.
+/// Whether some point of the cube is in none of these objects, each of which touches and none of which
+/// contains it; open meshes do not count.
 ///
-/// Air is looked for at the corners of the cube; then, since every pocket between plane faces has a corner where three
-/// planes meet, a little beside all points where planes of the cube, of boxes and of caps meet in threes; at last, for
-/// the sake of curved faces and meshes, at 12 x 12 x 12 points: the middles of tenths of the edge, and the faces.
+/// Air is looked for at the corners of the cube; then, since every pocket between plane faces has a corner
+/// where three planes meet, a little beside all points where planes of the cube, of boxes and of caps meet in
+/// threes; at last, for the sake of curved faces and meshes, at 12 x 12 x 12 points: the middles of tenths of
+/// the edge, and the faces.
 pub fn has_air(cube: &Cube, objects: &[&Object]) -> bool {
     let solids: Vec<&Object> = objects.iter().copied().filter(|object| !is_open(&object.shape)).collect();
     let middles = (0..PARTS).map(|part| (2 * part + 1) as f64 / PARTS as f64 - 1.0);
@@ -38,7 +39,8 @@ pub fn is_open(shape: &Shape) -> bool {
     matches!(shape, Shape::Mesh(mesh) if !mesh.is_closed())
 }
 
-/// Whether a point is in none of the solids. On the interface of two it is in neither, but its surroundings are not air.
+/// Whether a point is in none of the solids. On the interface of two it is in neither,
+/// but its surroundings are not air.
 fn is_air(point: &Point3<f64>, solids: &[&Object]) -> bool {
     // A direction along which no face of a reasonable world lies.
     let nudge = Vector3::new(0.543_21, 0.612_34, 0.574_45) * NUDGE_M;
@@ -84,7 +86,8 @@ fn planes(cube: &Cube, solids: &[&Object]) -> Vec<Plane> {
     own.chain(solids.iter().flat_map(of_solid).filter(cuts)).collect()
 }
 
-/// Whether there is air in the cube next to the point where three planes meet, in one of the eight corners there.
+/// Whether there is air in the cube next to the point where three planes meet, in
+/// one of the eight corners there.
 fn has_air_beside(cube: &Cube, solids: &[&Object], planes: [&Plane; 3]) -> bool {
     let normals = Matrix3::from_rows(&planes.map(|plane| plane.normal.transpose()));
     if normals.determinant().abs() < 1e-6 {

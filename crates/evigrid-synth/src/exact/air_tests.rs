@@ -55,7 +55,8 @@ proptest! {
     fn no_pocket_between_boxes_is_missed(
         solids in prop::collection::vec(solid(), 2..5),
     ) {
-        let cutting: Vec<&Object> = solids.iter().filter(|solid| CUBE.relation(solid) == Relation::Cut).collect();
+        let is_cut = |solid: &&Object| CUBE.relation(solid) == Relation::Cut;
+        let cutting: Vec<&Object> = solids.iter().filter(is_cut).collect();
         prop_assume!(cutting.len() > 1);
         let found = has_air(&CUBE, &cutting);
         let are_boxes = cutting.iter().all(|solid| matches!(solid.shape, Shape::Box { .. }));

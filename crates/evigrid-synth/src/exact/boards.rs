@@ -6,7 +6,7 @@ use crate::World;
 use crate::shape::Shape;
 use crate::view_truth::{LeftViewTruth, PixelTruth};
 
-/// What the cameras see of a board at a frame.
+/// The visible part of a board at a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoardView {
     /// The number of the `[[object]]`, copies counted.
@@ -23,13 +23,14 @@ pub struct BoardView {
     pub visible_both_m: f64,
 }
 
-/// What the cameras see of each thing that is declared as a board at a frame, given what the left one sees in all.
+/// The visible parts of all things that are declared as boards at a frame, given the
+/// exact view of the left camera.
 ///
-/// The width runs along the longer of the board's own two level axes, between its bounds. A pixel whose centre shows
-/// the front or the back of the board shows the part of the width that its left and right border enclose on the
-/// upright plane through the point, no further than the bounds. The visible width is the length of the union of these
-/// parts over all pixels; it is right to half a pixel at each border of what is seen. Both images show what a pixel of
-/// the left image sees and the right camera sees too.
+/// The width runs along the longer of the board's own two level axes, between its bounds. A pixel whose
+/// centre shows the front or the back of the board shows the part of the width that its left and right border
+/// enclose on the upright plane through the point, no further than the bounds. The visible width is the
+/// length of the union of these parts over all pixels; it is right to half a pixel at each border of what is
+/// seen. Both images show what a pixel of the left image sees and the right camera sees too.
 pub fn boards(world: &World, frame: usize, view: &LeftViewTruth) -> Vec<BoardView> {
     let things = world.contents.things.iter().enumerate().filter(|(_, thing)| thing.is_board);
     things.map(|(index, _)| board_view(world, frame, view, index)).collect()
@@ -41,10 +42,10 @@ fn board_view(world: &World, frame: usize, view: &LeftViewTruth, index: usize) -
     let thing_from_left = thing.world_from_thing(world.time_s(frame)).inverse() * world_from_left;
     let [low, high] = thing.bounds;
     let lengths = high - low;
-    let [along, across] = if lengths.x >= lengths.y { [0, 1] } else { [1, 0] };
+    let (along, across) = if lengths.x >= lengths.y { (0, 1) } else { (1, 0) };
     let (mut left, mut both) = (Vec::new(), Vec::new());
     for (i, pixel) in view.pixels().iter().enumerate() {
-        if pixel.thing != Some(index as u32) || !shows_front(world, pixel, [along, across]) {
+        if pixel.thing != Some(index as u32) || !shows_front(world, pixel, along, across) {
             continue;
         }
         let (x, y) = ((i % view.width()) as f64, (i / view.width()) as f64);
@@ -76,9 +77,9 @@ fn board_view(world: &World, frame: usize, view: &LeftViewTruth, index: usize) -
     }
 }
 
-/// Whether a pixel shows a side of a board's box that faces across rather than along the width. Other shapes have no
-/// such sides; all of them counts.
-fn shows_front(world: &World, pixel: &PixelTruth, [along, across]: [usize; 2]) -> bool {
+/// Whether a pixel shows a side of a board's box that faces across rather than along the width. Other shapes
+/// have no such sides; all of them counts.
+fn shows_front(world: &World, pixel: &PixelTruth, along: usize, across: usize) -> bool {
     let Some((part, side)) = pixel.surface else { return false };
     let part = &world.contents.parts[part as usize];
     if !matches!(part.shape, Shape::Box { .. }) {

@@ -2,11 +2,11 @@
 
 use nalgebra::{Vector2, Vector3};
 
-/// Whether a cube with these corners touches the cylinder about the z axis between the heights -`half_height` and
-/// `half_height`. Corners that differ in one bit of their number are joined by an edge.
+/// Whether a cube with these corners touches the cylinder about the z axis between the heights -`half_height`
+/// and `half_height`. Corners that differ in one bit of their number are joined by an edge.
 ///
-/// Of the cube only the part between the planes of the caps counts. Seen along the axis that part is a convex polygon,
-/// and the question is whether it comes as near to the origin as the radius.
+/// Of the cube only the part between the planes of the caps counts. Seen along the axis that part is a convex
+/// polygon, and the question is whether it comes as near to the origin as the radius.
 pub fn cylinder_touches(radius: f64, half_height: f64, corners: &[Vector3<f64>; 8]) -> bool {
     let inside = corners.iter().filter(|c| c.z.abs() <= half_height).map(Vector3::xy);
     let mut seen: Vec<Vector2<f64>> = inside.collect();
@@ -25,8 +25,8 @@ pub fn cylinder_touches(radius: f64, half_height: f64, corners: &[Vector3<f64>; 
         || seen.iter().enumerate().any(|(i, a)| seen[..i].iter().any(|b| to_segment(a, b) <= near))
 }
 
-/// Whether the origin is inside the convex hull of the points: no line through it and one of them has all others on
-/// one side. On the border either answer may come.
+/// Whether the origin is inside the convex hull of the points: no line through it and one of them has all
+/// others on one side. On the border either answer may come.
 fn surrounds_origin(points: &[Vector2<f64>]) -> bool {
     !points.is_empty() && !points.iter().any(|a| points.iter().all(|b| a.perp(b) >= 0.0))
 }

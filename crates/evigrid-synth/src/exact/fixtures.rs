@@ -6,8 +6,8 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use crate::World;
 
-/// The frame of tests/box.toml (a robot that starts at (1, 0.5), cameras 0.2 m to its left, 1 m per frame along x,
-/// a laser without noise), with other objects and a robot of 1.2 m.
+/// The frame of tests/box.toml (a robot that starts at (1, 0.5), cameras 0.2 m to its left, 1 m per frame
+/// along x, a laser without noise), with other objects and a robot of 1.2 m.
 pub fn world(objects: &[String]) -> World {
     let text = include_str!("../../tests/box.toml");
     let (head, _) = text.split_once("[[object]]").unwrap();

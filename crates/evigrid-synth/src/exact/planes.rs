@@ -3,10 +3,11 @@
 use evigrid_core::Pose;
 use nalgebra::{Point3, Vector3};
 
-use super::slope_rad;
+use super::placed::{objects, slope_rad};
 use crate::World;
 use crate::scene::Object;
 use crate::shape::Shape;
+use crate::thing::Thing;
 
 /// A plane face that a robot can drive on.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,19 +22,21 @@ pub struct GroundPlane {
     pub offset_m: f64,
     /// Its slope, degrees.
     pub slope_deg: f64,
-    /// The corners of the rectangle that it fills (a box) or touches (a cylinder), one after another, in the map frame,
-    /// metres.
+    /// The corners of the rectangle that it fills (a box) or touches (a cylinder), one after another, in the
+    /// map frame, metres.
     pub corners_m: [Point3<f64>; 4],
 }
 
-/// The upper faces of all things that are declared as ground, in the map frame; one for each of a thing's shapes.
+/// The upper faces of all things that are declared as ground, in the map frame;
+/// one for each of a thing's shapes.
 ///
-/// The upper face is that whose normal is nearest to the vertical: of a box one of its faces (so a ramp's slope), of a
-/// cylinder a cap, if its axis is within 45 degrees of the vertical. Spheres have no plane faces. Meshes and height
-/// fields are skipped, since a plane fitted to them is no exact truth; so are things that move.
+/// The upper face is that whose normal is nearest to the vertical: of a box one of its faces (so a
+/// ramp's slope), of a cylinder a cap, if its axis is within 45 degrees of the vertical. Spheres have
+/// no plane faces. Meshes and height fields are skipped, since a plane fitted to them is no exact
+/// truth; so are things that move.
 pub fn ground_planes(world: &World, map_from_world: &Pose) -> Vec<GroundPlane> {
-    let wanted = |thing: &crate::thing::Thing| thing.is_ground && !thing.moves();
-    let objects = super::objects(world, map_from_world, 0.0, wanted);
+    let wanted = |thing: &Thing| thing.is_ground && !thing.moves();
+    let objects = objects(world, map_from_world, 0.0, wanted);
     objects.iter().filter_map(|object| plane(world, object)).collect()
 }
 

@@ -1,89 +1,40 @@
 //! Where a robot can drive, by the definitions of a published method but with the world's real surfaces.
 
 use evigrid_core::Pose;
-use evigrid_grid::GridSpec;
+use evigrid_grid::{GridSpec, SafetyLabel, SafetyMap};
 use rayon::prelude::*;
 
-use super::ground::{GroundColumn, GroundSurface, Probe, cell_point};
+use super::safety_map::safety_map;
+use super::safety_settings::SafetySettings;
 use super::segments::{Plan, Segments};
+use super::terrain::{GroundColumn, GroundSurface, Probe, cell_point};
 use crate::{SynthError, World};
-
-/// What a cell is to a robot (Murarka and Kuipers 2009).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SafetyLabel {
-    /// Safe, and nearly level.
-    Level,
-    /// Safe, and inclined.
-    Inclined,
-    /// Unsafe: too steep, an edge, an obstacle, or ground that the robot cannot get to.
-    NonGround,
-    /// No surface, or a surface too small or too thin to tell.
-    Unknown,
-}
-
-/// The parameters of Murarka and Kuipers 2009; the defaults are the paper's except where it says otherwise.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SafetySettings {
-    /// Steeper ground is unsafe (theta_max). Unit: degrees.
-    pub max_slope_deg: f64,
-    /// Safe ground that is steeper is inclined, not level (theta_T). Unit: degrees.
-    pub level_slope_deg: f64,
-    /// A robot gets over lower steps alone (h_T). Unit: metres.
-    pub max_step_m: f64,
-    /// It takes so many cells with a low step to get from one segment to the next (num_T).
-    pub min_border_cells: usize,
-    /// Smaller segments are unknown (n_small). Unit: cells.
-    pub min_segment_cells: usize,
-    /// Segments with fewer interior cells per boundary cell are unknown.
-    pub min_interior_per_boundary: f64,
-    /// Segments further up or down are not examined, whatever their size (w_T of one voxel of l_v). Unit: metres.
-    pub max_examined_step_m: f64,
-    /// Neighbouring cells are on one surface if the plane of one leads past the other's centre by no more. Unit:
-    /// metres. Source: own; far below a step and above what a bend from level to inclined ground does in a small cell.
-    pub continuity_m: f64,
-    /// Cells whose centres are farther from the robot's start are unknown (R_max, 4 m in the paper); no limit if none.
-    /// Unit: metres. Source: own default.
-    pub max_range_m: Option<f64>,
-}
-
-impl Default for SafetySettings {
-    fn default() -> Self {
-        Self {
-            max_slope_deg: 10.0,
-            level_slope_deg: 3.0,
-            max_step_m: 0.05,
-            min_border_cells: 5,
-            min_segment_cells: 6,
-            min_interior_per_boundary: 0.1,
-            max_examined_step_m: 0.1,
-            continuity_m: 0.01,
-            max_range_m: None,
-        }
-    }
-}
 
 /// True safety labels of the cells (i, j) of a grid's ground plan.
 ///
-/// The surface of a cell is that of [`super::GroundTruth`]. A cell has an edge, and is non-ground, if at 4 x 4 places
-/// in it the height is more than `max_step_m` off the plane at its centre, or something there reaches higher than the
-/// robot, or nothing is there. Segments are 8-connected cells on one continuous surface, of which all or none are too
-/// steep. What follows is Algorithm 2 of the paper, with the true planes at the cells in place of fitted ones:
+/// The surface of a cell is that of [`super::TerrainTruth`]. A cell has an edge, and is non-ground, if at
+/// 4 x 4 places in it the height is more than `max_step_m` off the plane at its centre, or something there
+/// reaches higher than the robot, or nothing is there. Segments are 8-connected cells on one continuous
+/// surface, of which all or none are too steep. What follows is Algorithm 2 of the paper, with the true
+/// planes at the cells in place of fitted ones:
 /// - segments that steps of at most `max_examined_step_m` do not lead to from the robot's are non-ground;
 /// - steep segments are non-ground, small and thin ones unknown, the one under the robot is safe;
-/// - a segment next to a safe one becomes safe if at enough cells of either at their border the heights differ by less
-///   than `max_step_m`; all others are non-ground.
+/// - a segment next to a safe one becomes safe if at enough cells of either at their border the heights
+///   differ by less than `max_step_m`; all others are non-ground.
 ///
 /// Whether safe ground is level or inclined is decided cell by cell.
 #[derive(Debug, Clone)]
 pub struct SafetyTruth {
     spec: GridSpec,
     labels: Vec<SafetyLabel>,
+    /// The surface of each cell that is on a surface and has no edge.
+    surfaces: Vec<Option<GroundSurface>>,
 }
 
 /// Places along each edge of a cell where its surface is looked at.
 const PLACES: usize = 4;
 
-/// What a cell is before segments are known.
+/// State of a cell before segments are known.
 #[derive(Debug, Clone, Copy)]
 enum Examined {
     Nothing,
@@ -92,11 +43,11 @@ enum Examined {
 }
 
 impl SafetyTruth {
-    /// The truth for the cells of `spec`, whose heights do not matter, and a robot that starts at `first_frame`. If it
-    /// stands outside of the grid, it counts as standing on the nearest cell.
+    /// The truth for the cells of `spec`, whose heights do not matter, and a robot that starts at
+    /// `first_frame`. If it stands outside of the grid, it counts as standing on the nearest cell.
     ///
     /// # Errors
-    /// As [`super::GroundTruth::new`], or if the robot's cell has no surface or an edge.
+    /// As [`super::TerrainTruth::new`], or if the robot's cell has no surface or an edge.
     pub fn new(
         world: &World,
         spec: GridSpec,
@@ -145,7 +96,7 @@ impl SafetyTruth {
                 Some(Verdict::NonGround) | None => SafetyLabel::NonGround,
             },
         };
-        Ok(Self { labels: examined.iter().enumerate().map(label).collect(), spec })
+        Ok(Self { labels: examined.iter().enumerate().map(label).collect(), surfaces, spec })
     }
 
     /// The grid's geometry; only x and y matter.
@@ -156,6 +107,12 @@ impl SafetyTruth {
     /// The label of each cell (i, j); its place in the list is i * ny + j.
     pub fn labels(&self) -> &[SafetyLabel] {
         &self.labels
+    }
+
+    /// The labels on the grid's ground plan, with the exact planes of the safe cells; all others have none.
+    /// Cells of one plane (normals and offsets differ by 1e-9 at most) share it.
+    pub fn map(&self) -> SafetyMap {
+        safety_map(self.spec.plan(), &self.labels, &self.surfaces)
     }
 }
 
@@ -184,7 +141,7 @@ fn examine(probe: &Probe, spec: &GridSpec, cell: [usize; 2], settings: &SafetySe
     if is_flat { Examined::Ground(surface) } else { Examined::Obstacle }
 }
 
-/// What a segment is.
+/// State of a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Verdict {
     Safe,

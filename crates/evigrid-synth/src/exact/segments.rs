@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::ground::GroundSurface;
-use super::safety::SafetySettings;
+use super::safety_settings::SafetySettings;
+use super::terrain::GroundSurface;
 
 /// The ground plan that segments lie on.
 pub struct Plan<'a> {
@@ -31,7 +31,8 @@ pub struct Segments {
 
 /// Where two segments meet.
 pub struct Border {
-    /// Cells of either segment, next to the other, at whose centre the surfaces have nearly the same height (c_RS).
+    /// Cells of either segment, next to the other, at whose centre the surfaces have
+    /// nearly the same height (c_RS).
     pub agreeing: BTreeSet<usize>,
     /// The smallest difference of height between two neighbouring cells, metres.
     pub step_m: f64,
@@ -73,8 +74,8 @@ impl Plan<'_> {
         surface.slope_rad().to_degrees() > self.settings.max_slope_deg
     }
 
-    /// Whether two neighbours, so far apart, are on one continuous surface: the plane of either leads to the other,
-    /// and both or none are too steep.
+    /// Whether two neighbours, so far apart, are on one continuous surface: the plane of either leads to the
+    /// other, and both or none are too steep.
     fn is_continuous(&self, a: usize, b: usize, away_m: [f64; 2]) -> bool {
         let (Some(a), Some(b)) = (self.surfaces[a], self.surfaces[b]) else { return false };
         let there = (a.height_at(away_m) - b.height_m).abs();

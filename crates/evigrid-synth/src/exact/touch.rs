@@ -27,8 +27,8 @@ pub enum Relation {
     Inside,
 }
 
-/// Cross products of edges shorter than this (squared, of unit vectors) have no direction; the edges are parallel, and
-/// the faces' own normals decide.
+/// Cross products of edges shorter than this (squared, of unit vectors) have no direction; the edges are
+/// parallel, and the faces' own normals decide.
 const PARALLEL: f64 = 1e-18;
 
 impl Cube {

@@ -59,9 +59,10 @@ fn reach(shape: &Shape, direction: &Vector3<f64>) -> f64 {
     }
 }
 
-/// Whether the cube touches the shape, by going from the nearest point of one to the nearest of the other, to and fro
-/// (Cheney and Goldstein 1959: this ends at the smallest distance of two convex sets). They touch if the points meet;
-/// they do not if a plane across the way between the points separates them. Nothing if neither comes soon.
+/// Whether the cube touches the shape, by going from the nearest point of one to the nearest of the other, to
+/// and fro (Cheney and Goldstein 1959: this ends at the smallest distance of two convex sets). They touch if
+/// the points meet; they do not if a plane across the way between the points separates them. Nothing if
+/// neither comes soon.
 fn touches_slowly(cube: &Cube, object: &Object) -> Option<bool> {
     let [low, high] = cube.bounds();
     let mut p = cube.centre;

@@ -4,6 +4,7 @@ use evigrid_core::Pose;
 use nalgebra::{Point3, Vector3};
 
 use crate::World;
+use crate::thing::Thing;
 
 /// The box around a named thing at a frame, in the map frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +32,7 @@ pub fn tracks(world: &World, map_from_world: &Pose, frame: usize) -> Vec<Track> 
     let time_s = world.time_s(frame);
     let things = world.contents.things.iter().enumerate();
     let named = things.filter_map(|(index, thing)| Some((index, thing, thing.name.clone()?)));
-    let track = |(index, thing, name): (usize, &crate::thing::Thing, String)| {
+    let track = |(index, thing, name): (usize, &Thing, String)| {
         let map_from_thing = map_from_world * thing.world_from_thing(time_s);
         let [low, high] = thing.bounds;
         let front = map_from_thing.rotation * Vector3::x();

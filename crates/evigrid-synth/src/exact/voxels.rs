@@ -9,13 +9,13 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::air::has_air;
-use super::objects;
+use super::placed::objects;
 use super::touch::{Cube, Relation};
 use crate::World;
 use crate::scene::{Object, Scene};
 use crate::thing::Thing;
 
-/// What a voxel holds.
+/// The content of a voxel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum VoxelState {
     /// Nothing but air.
@@ -29,14 +29,16 @@ pub enum VoxelState {
 
 /// Occupied, free and hidden voxels of a world.
 ///
-/// A voxel is hidden if it is wholly inside the union of all solids, free if it touches none (and no open mesh), and
-/// occupied otherwise: the boundary of the union passes through it, so a laser that sees everything would mark it. The
-/// interface of two solids that abut is no boundary. A surface exactly on the border of two voxels belongs to the
-/// upper one, as `floor` has it: every voxel is taken 1 micrometre lower than it lies.
+/// A voxel is hidden if it is wholly inside the union of all solids, free if it touches none (and no open
+/// mesh), and occupied otherwise: the boundary of the union passes through it, so a laser that sees
+/// everything would mark it. The interface of two solids that abut is no boundary. A surface exactly on
+/// the border of two voxels belongs to the upper one, as `floor` has it: every voxel is taken 1
+/// micrometre lower than it lies.
 ///
-/// All is decided by exact tests in double precision, except whether a voxel that several shapes touch and none
-/// contains is wholly inside their union; there cracks below a fifth of a millimetre count as closed, and pockets that
-/// curved faces or meshes take part in are looked for at 12 x 12 x 12 points of the voxel only.
+/// All is decided by exact tests in double precision, except whether a voxel that several shapes
+/// touch and none contains is wholly inside their union; there cracks below a fifth of a millimetre
+/// count as closed, and pockets that curved faces or meshes take part in are looked for at
+/// 12 x 12 x 12 points of the voxel only.
 ///
 /// A voxel is occupied if it is so in any of the frames; else hidden if it is so in all frames; else free.
 #[derive(Debug, Clone)]
@@ -71,12 +73,12 @@ impl VoxelTruth {
         &self.spec
     }
 
-    /// What the voxel with this flat index holds; free outside the grid.
+    /// State of the voxel with this flat index; free outside the grid.
     pub fn state(&self, cell: usize) -> VoxelState {
         self.states.get(cell).copied().unwrap_or_default()
     }
 
-    /// What each voxel holds, by flat index.
+    /// States of all voxels, by flat index.
     pub fn states(&self) -> &[VoxelState] {
         &self.states
     }
@@ -139,7 +141,7 @@ fn fill_column(
     }
 }
 
-/// What a cube holds, given all objects that may touch it.
+/// The content of a cube, given all objects that may touch it.
 fn classify<'a>(cube: &Cube, objects: impl Iterator<Item = &'a Object>) -> VoxelState {
     let mut cutting: Vec<&Object> = Vec::new();
     for object in objects {
@@ -157,7 +159,7 @@ fn classify<'a>(cube: &Cube, objects: impl Iterator<Item = &'a Object>) -> Voxel
     if has_surface { VoxelState::Occupied } else { VoxelState::Hidden }
 }
 
-/// What was found of a voxel in the frames in which a moving thing came near.
+/// States of a voxel in the frames in which a moving thing came near.
 #[derive(Debug, Clone, Copy, Default)]
 struct Tally {
     frames: usize,

@@ -1,7 +1,7 @@
 use serde::Deserialize;
 
+use super::area::mix;
 use super::interval::Interval;
-use super::mix;
 use crate::noise::{fade, hash, unit};
 use crate::number::{Grey, NonNegative, Positive};
 
@@ -21,8 +21,8 @@ pub struct Brick {
     tint: NonNegative,
 }
 
-/// The tints of single bricks fade out as the footprint grows from half of this many bricks to this many, along u
-/// or v. The mean of four by four tints is a quarter as strong as one.
+/// The tints of single bricks fade out as the footprint grows from half of this many bricks to this many,
+/// along u or v. The mean of four by four tints is a quarter as strong as one.
 const TINTED_BRICKS: f64 = 8.0;
 
 impl Brick {
@@ -35,8 +35,8 @@ impl Brick {
         if row & 1 == 0 { 0.0 } else { 0.5 * self.length_m.0 }
     }
 
-    /// The share of an area that is joints. All rows together repeat every row, what tells the odd rows from the
-    /// even ones every two rows; either is averaged over one period at most.
+    /// The share of an area that is joints. All rows together repeat every row, what tells the odd rows from
+    /// the even ones every two rows; either is averaged over one period at most.
     fn joint_share(&self, [u, v]: [Interval; 2]) -> f64 {
         let (length, height, joint) = (self.length_m.0, self.height_m.0, self.joint_m.0);
         let one = v.at_most(height);
@@ -51,7 +51,7 @@ impl Brick {
         1.0 - rows * (1.0 - 0.5 * (even + odd)) + 0.5 * alternation * (even - odd)
     }
 
-    /// What the tints of the bricks add to the mean of an area.
+    /// Mean of the tints of the bricks over an area, grey levels.
     fn tone(&self, [u, v]: [Interval; 2], seed: u32) -> f32 {
         let (length, height, joint) = (self.length_m.0, self.height_m.0, self.joint_m.0);
         let bricks = (u.length() / length).max(v.length() / height);

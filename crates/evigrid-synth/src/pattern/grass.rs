@@ -3,8 +3,8 @@ use serde::Deserialize;
 use crate::noise::{Footprint, FractalNoise, TAPS, along_span, fade, hash, smooth_step, split, unit};
 use crate::number::{NonNegative, Positive};
 
-/// Blades of grass seen from above: streaks of light and dark that lean the same way within a clump, and larger
-/// tufts of them that are left to see from further away.
+/// Blades of grass seen from above: streaks of light and dark that lean the same way within a clump, and
+/// larger tufts of them that are left to see from further away.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GrassSpec {
@@ -35,11 +35,12 @@ const LEVELS: [Level; 4] = [
     Level { length: 1.0, width: 1.0, strength: 0.583_095 },
 ];
 
-/// The ways in which blades lean as unit vectors, 37 degrees apart; the middle one, 37 degrees from u, prevails.
+/// The ways in which blades lean as unit vectors, 37 degrees apart; the middle
+/// one, 37 degrees from u, prevails.
 const LEANS: [[f64; 2]; 5] = [[-0.352, 0.936], [0.28, 0.96], [0.8, 0.6], [1.0, 0.0], [0.8, -0.6]];
 
-/// Standard deviation of streaks of one size: x * |x| of a number x that is uniform on [-1, 1] has variance 1/5,
-/// and blending with the smooth step keeps 26/35 of the variance per axis.
+/// Standard deviation of streaks of one size: x * |x| of a number x that is uniform on [-1, 1] has variance
+/// 1/5, and blending with the smooth step keeps 26/35 of the variance per axis.
 const STREAK_DEVIATION: f32 = 0.332_213;
 
 /// Grass on a surface.
@@ -56,10 +57,10 @@ impl Grass {
         Self { spec, clumps }
     }
 
-    /// What the blades add to the grey at (u, v), grey levels.
+    /// Grey levels that the blades add at (u, v).
     pub fn sample(&self, point: [f64; 2], footprint: &Footprint, seed: u32) -> f32 {
-        // The lean is taken at the middle of the footprint. It comes to rest at the prevailing one before the footprint
-        // gets longer than a clump.
+        // The lean is taken at the middle of the footprint. It comes to rest at the prevailing one before the
+        // footprint gets longer than a clump.
         let whole = Footprint { width_m: footprint.length_m(), span_m: [0.0; 2] };
         let middle = 0.5 * (LEANS.len() - 1) as f32;
         let lean = middle + 1.1 * self.clumps.sample(point, &whole, seed);
@@ -105,8 +106,8 @@ fn mean_streaks([x, y]: [f64; 2], span: [f64; 2], seed: u32) -> f32 {
     streaks(x, y, seed).iter().sum::<f32>() / TAPS as f32
 }
 
-/// Noise in rows of height 1 along x, each of cells of length 1 that begin anywhere; at several points at once
-/// (plain loops, for the vectoriser).
+/// Noise in rows of height 1 along x, each of cells of length 1 that begin anywhere; at several points at
+/// once (plain loops, for the vectoriser).
 fn streaks<const N: usize>(x: [f64; N], y: [f64; N], seed: u32) -> [f32; N] {
     let (mut row, mut across) = ([0_u32; N], [0.0; N]);
     for k in 0..N {
@@ -217,8 +218,8 @@ mod tests {
         assert_eq!(found[5], 0.0);
     }
 
-    /// The filter keeps what an image can show, and fades out whole sizes of streaks at once. So it is not the mean
-    /// over the footprint, but much nearer to it than the grey of a point.
+    /// The filter keeps what an image can show, and fades out whole sizes of streaks at once. So it is not
+    /// the mean over the footprint, but much nearer to it than the grey of a point.
     #[test]
     fn grass_is_about_the_mean_over_the_footprint() {
         let grass = grass();

@@ -41,7 +41,7 @@ impl Interval {
         Self::around(self.centre(), self.length().min(length))
     }
 
-    /// What it has in common with another one, empty (of length 0) if nothing.
+    /// Its part in common with another one, empty (of length 0) if there is none.
     pub fn common(self, other: Self) -> Self {
         let from = self.from.max(other.from);
         Self { from, to: self.to.min(other.to).max(from) }

@@ -4,8 +4,8 @@ use super::interval::Interval;
 use crate::noise::{Footprint, FractalNoise};
 use crate::number::{Finite, Grey, NonNegative, Positive};
 
-/// Markings painted on a road that runs along u. Both u and v count from the shape's own origin (the centre of a
-/// box). Where lines would run through a crosswalk or a stop line, they are interrupted.
+/// Markings painted on a road that runs along u. Both u and v count from the shape's own origin (the centre
+/// of a box). Where lines would run through a crosswalk or a stop line, they are interrupted.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoadSpec {
@@ -32,8 +32,8 @@ pub struct RoadSpec {
     /// Stop lines.
     #[serde(default)]
     stop_lines: Vec<StopLine>,
-    /// The mean share of the paint that is gone, 0 to 1. It is gone in patches; what is left shows the texture of
-    /// the road, softened.
+    /// The mean share of the paint that is gone, 0 to 1. It is gone in patches; what is left shows the
+    /// texture of the road, softened.
     #[serde(default)]
     wear: Wear,
 }
@@ -177,7 +177,8 @@ impl Road {
         }
     }
 
-    /// What the markings add to `base`, the grey of the road, of which `texture` is the part that varies.
+    /// Grey of the road with its markings; without them it is `base`, of which
+    /// `texture` is the part that varies.
     pub fn apply(&self, base: f32, texture: f32, point: [f64; 2], footprint: &Footprint, seed: u32) -> f32 {
         let share = self.painted(footprint.area(point)) as f32;
         if share == 0.0 {

@@ -7,8 +7,8 @@ use nalgebra::{Isometry3, Translation3};
 
 use crate::{World, angle};
 
-/// The lines of calib.txt: P0 to P3 project from the left camera (the benchmark's colour pair is the grey one here),
-/// Tr leads from the first laser scanner to the left camera.
+/// The lines of calib.txt: P0 to P3 project from the left camera (the benchmark's colour pair is the grey one
+/// here), Tr leads from the first laser scanner to the left camera.
 pub fn calibration(world: &World) -> String {
     let StereoRig { focal_px, centre_x_px, centre_y_px, baseline_m, .. } = world.rig;
     let projection = |offset_m: f64| {
@@ -32,8 +32,8 @@ pub fn times(stamps_ns: impl Iterator<Item = i64>) -> String {
     stamps_ns.map(|ns| format!("{}.{:09}\n", ns / second, ns % second)).collect()
 }
 
-/// The lines of poses.txt: poses of the left camera in the frame of a level camera at the world's origin that looks
-/// along its x axis.
+/// The lines of poses.txt: poses of the left camera in the frame of a level camera at the world's origin that
+/// looks along its x axis.
 pub fn poses(world_from_left: impl Iterator<Item = Pose>) -> String {
     let level = Isometry3::from_parts(Translation3::identity(), angle::body_from_camera_axes()).inverse();
     world_from_left.map(|pose| matrix(&(level * pose)) + "\n").collect()
@@ -64,8 +64,8 @@ mod tests {
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "P0: 1.2e2 0e0 7.95e1 0e0 0e0 1.2e2 4.75e1 0e0 0e0 0e0 1e0 0e0");
         assert_eq!(lines[1], "P1: 1.2e2 0e0 7.95e1 -4.8e1 0e0 1.2e2 4.75e1 0e0 0e0 0e0 1e0 0e0");
-        // x right = -y of the laser, y down = -z, z forward = x; the laser is 0.3 m behind, 0.1 m to the right and
-        // 0.3 m above the camera.
+        // x right = -y of the laser, y down = -z, z forward = x; the laser is 0.3 m behind, 0.1 m to the
+        // right and 0.3 m above the camera.
         let tr: Vec<f64> =
             lines[4].strip_prefix("Tr: ").unwrap().split(' ').map(|v| v.parse().unwrap()).collect();
         let expected = [0.0, -1.0, 0.0, 0.1, 0.0, 0.0, -1.0, -0.3, 1.0, 0.0, 0.0, -0.3];
@@ -83,7 +83,8 @@ mod tests {
         let text = poses([level, Translation3::new(2.0, 1.0, 0.5) * level].into_iter());
         assert_eq!(
             text,
-            "1e0 0e0 0e0 0e0 0e0 1e0 0e0 0e0 0e0 0e0 1e0 0e0\n1e0 0e0 0e0 -1e0 0e0 1e0 0e0 -5e-1 0e0 0e0 1e0 2e0\n"
+            "1e0 0e0 0e0 0e0 0e0 1e0 0e0 0e0 0e0 0e0 1e0 0e0\n\
+             1e0 0e0 0e0 -1e0 0e0 1e0 0e0 -5e-1 0e0 0e0 1e0 2e0\n"
         );
     }
 }

@@ -12,19 +12,19 @@ pub enum WriteError {
     /// A file or folder that cannot be written.
     #[error("cannot write {what}: {source}: {}", path.display())]
     Io {
-        /// What was being written.
+        /// The thing that was being written.
         what: &'static str,
-        /// Where.
+        /// Its path.
         path: PathBuf,
-        /// What the system said.
+        /// The system's answer.
         source: io::Error,
     },
     /// A folder that must not be replaced.
     #[error("output folder: expected {expected}, found {found}: {}", path.display())]
     Folder {
-        /// What folder would do.
+        /// A folder that would do.
         expected: &'static str,
-        /// What is there.
+        /// The thing that is there.
         found: String,
         /// The folder.
         path: PathBuf,
@@ -50,7 +50,7 @@ pub enum WriteError {
     Truth {
         /// The frame.
         frame: usize,
-        /// What is wrong.
+        /// The fault.
         source: CoreError,
     },
 }

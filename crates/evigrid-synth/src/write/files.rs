@@ -7,7 +7,7 @@ use std::path::Path;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
-use super::WriteError;
+use super::error::WriteError;
 
 /// Writes a file and waits until it is on the disk.
 pub fn write_file(what: &'static str, path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
@@ -28,7 +28,8 @@ pub fn create_folder(path: &Path) -> Result<(), WriteError> {
 pub fn write_grey_png(
     what: &'static str,
     path: &Path,
-    [width, height]: [usize; 2],
+    width: usize,
+    height: usize,
     pixels: &[u8],
 ) -> Result<(), WriteError> {
     let mut bytes = Vec::new();

@@ -4,9 +4,9 @@ use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
-use super::WriteError;
+use super::error::WriteError;
 
-/// What tells an earlier synthetic data set from anything else.
+/// The file that tells an earlier synthetic data set from anything else.
 pub const MARKER: &str = "ground_truth/world.toml";
 
 /// Everything that a data set has at its top.
@@ -21,8 +21,8 @@ const NAMES: [&str; 8] = [
     "velodyne_origins",
 ];
 
-/// A data set that is being written, in a hidden folder beside its place. Dropped before [`Self::publish`], it leaves
-/// nothing behind; a killed run leaves the hidden folder, which the next one removes.
+/// A data set that is being written, in a hidden folder beside its place. Dropped before [`Self::publish`],
+/// it leaves nothing behind; a killed run leaves the hidden folder, which the next one removes.
 #[derive(Debug)]
 pub struct PendingFolder {
     /// Where the data set will be.
@@ -36,12 +36,12 @@ pub struct PendingFolder {
 }
 
 impl PendingFolder {
-    /// Opens the hidden folder beside `dir`, creating it if need be. Gives also whether a run that did not finish
-    /// had left something there.
+    /// Opens the hidden folder beside `dir`, creating it if need be. Gives also whether a run that did not
+    /// finish had left something there.
     ///
     /// # Errors
-    /// If something that is no synthetic data set stands at `dir`, another run is writing there, or the hidden folder
-    /// cannot be created.
+    /// If something that is no synthetic data set stands at `dir`, another run is writing there, or the
+    /// hidden folder cannot be created.
     pub fn open(dir: &Path) -> Result<(Self, bool), WriteError> {
         // A link stays where it is; what it leads to is replaced.
         let dir = fs::canonicalize(dir).unwrap_or_else(|_| dir.to_owned());

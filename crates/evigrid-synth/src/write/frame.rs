@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use evigrid_core::{Disparity, Frame, GrayImage, Pose};
 use evigrid_replay::{Sequence, write_disparity_png};
 
-use super::WriteError;
+use super::error::WriteError;
 use super::files::{create_folder, point_bytes, write_file, write_grey_png};
 use super::tables;
 use crate::exact::boards;
@@ -23,7 +23,8 @@ pub struct FrameWriter<'a> {
 }
 
 impl FrameWriter<'_> {
-    /// Writes all files of a frame of the world under this number. Gives the rows that it has in the table of boards.
+    /// Writes all files of a frame of the world under this number. Gives the rows that
+    /// it has in the table of boards.
     pub fn write(&self, number: usize, frame: usize) -> Result<String, WriteError> {
         self.measured(number, &self.sequence.frame(frame, &Pose::identity())?)?;
         let view = LeftViewTruth::new(self.world, frame);
@@ -38,8 +39,8 @@ impl FrameWriter<'_> {
     /// Images and laser scan.
     fn measured(&self, number: usize, frame: &Frame) -> Result<(), WriteError> {
         let image = |what, folder, image: &GrayImage| {
-            let size = [image.width(), image.height()];
-            write_grey_png(what, &self.path(folder, number, "png"), size, image.pixels())
+            let path = self.path(folder, number, "png");
+            write_grey_png(what, &path, image.width(), image.height(), image.pixels())
         };
         image("left image", "image_0", frame.left())?;
         image("right image", "image_1", frame.right())?;
@@ -62,7 +63,7 @@ impl FrameWriter<'_> {
         write_disparity_png(&self.path("ground_truth/disparity", number, "png"), &disparity)?;
         let seen: Vec<u8> = view.pixels().iter().map(seen_by_right).collect();
         let path = self.path("ground_truth/occlusion", number, "png");
-        write_grey_png("occlusion image", &path, [width, height], &seen)
+        write_grey_png("occlusion image", &path, width, height, &seen)
     }
 }
 

@@ -1,4 +1,5 @@
-//! A world on disk: a KITTI odometry sequence with the exact truth beside it. docs/synthetic.md describes every file.
+//! A world on disk: a KITTI odometry sequence with the exact truth beside it.
+//! docs/synthetic.md describes every file.
 
 mod calibration;
 mod error;
@@ -41,13 +42,14 @@ pub enum WriteStep {
 /// Frames that are in memory at a time hold no more pixels than this together, unless it is one frame.
 const PIXELS_AT_A_TIME: usize = 4_000_000;
 
-/// Writes these frames of a world to the folder `dir`, numbered from 0: images, calibration, times, the poses that
-/// the robot reports, laser scans, and the exact truth in `ground_truth/`. The folder has its name only when all of
-/// it is on the disk; an earlier synthetic data set there is then replaced.
+/// Writes these frames of a world to the folder `dir`, numbered from 0: images, calibration, times, the poses
+/// that the robot reports, laser scans, and the exact truth in `ground_truth/`. The folder has its name only
+/// when all of it is on the disk; an earlier synthetic data set there is then replaced.
 ///
 /// # Errors
-/// If there are no such frames, if something else stands at `dir`, if a file cannot be written, or if the robot stands
-/// on nothing at the first frame (of a world with a `[robot]`). Whatever stood at `dir` is then still there.
+/// If there are no such frames, if something else stands at `dir`, if a file cannot be written,
+/// or if the robot stands on nothing at the first frame (of a world with a `[robot]`). Whatever
+/// stood at `dir` is then still there.
 pub fn write_data_set(
     world: &World,
     frames: Range<usize>,

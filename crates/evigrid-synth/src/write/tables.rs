@@ -1,4 +1,5 @@
-//! The tables of the exact truth, as CSV. Names hold letters, digits, - and _ alone, so nothing is ever quoted.
+//! The tables of the exact truth, as CSV. Names hold letters, digits, - and _
+//! alone, so nothing is ever quoted.
 
 use std::fmt::Write;
 

@@ -5,26 +5,20 @@ use std::ops::Range;
 use std::path::Path;
 
 use evigrid_core::Pose;
-use evigrid_grid::GridSpec;
-use evigrid_npz::NpzWriter;
+use evigrid_grid::{GridSpec, SafetyLabel};
+use evigrid_results::npz::NpzWriter;
 
-use super::WriteError;
+use super::error::WriteError;
 use super::files::{write_file, write_grey_png};
 use super::tables::{self, OBJECTS_HEADING, PLANES_HEADING};
 use crate::World;
-use crate::exact::{
-    GroundTruth, SafetyLabel, SafetySettings, SafetyTruth, VoxelTruth, ground_planes, tracks,
-};
+use crate::exact::{SafetySettings, SafetyTruth, TerrainTruth, VoxelTruth, ground_planes, tracks};
 
-/// Grey levels of the labels in safety_map.png, and their names.
-const LABELS: [(SafetyLabel, u8, &str); 4] = [
-    (SafetyLabel::NonGround, 0, "non_ground"),
-    (SafetyLabel::Unknown, 128, "unknown"),
-    (SafetyLabel::Inclined, 200, "inclined"),
-    (SafetyLabel::Level, 255, "level"),
-];
+/// The labels from dark to light in safety_map.png.
+const LABELS: [SafetyLabel; 4] =
+    [SafetyLabel::NonGround, SafetyLabel::Unknown, SafetyLabel::Inclined, SafetyLabel::Level];
 
-/// Writes what does not belong to a single frame.
+/// Writes the exact truth that does not belong to a single frame.
 pub fn write_truth(
     world: &World,
     frames: &Range<usize>,
@@ -67,7 +61,7 @@ fn write_ground(
     map_from_world: &Pose,
     dir: &Path,
 ) -> Result<(), WriteError> {
-    let truth = GroundTruth::new(world, world.truth_grid, map_from_world, first_frame)?;
+    let truth = TerrainTruth::new(world, world.truth_grid, map_from_world, first_frame)?;
     let [nx, ny, _] = truth.spec().shape().map(|n| n as u64);
     write_npz("ground", &dir.join("ground.npz"), truth.spec(), |npz| {
         npz.array("height", &[nx, ny], &truth.heights_m())?;
@@ -104,20 +98,29 @@ fn write_safety(
     let [nx, ny, _] = truth.spec().shape();
     // Seen from above, forward up: the last row of cells comes first, and in it the leftmost cell.
     let pixels: Vec<u8> = truth.labels().iter().rev().map(|label| grey(*label)).collect();
-    write_grey_png("safety map", &dir.join("safety_map.png"), [ny, nx], &pixels)?;
+    write_grey_png("safety map", &dir.join("safety_map.png"), ny, nx, &pixels)?;
     write_file("safety map", &dir.join("safety_map.toml"), safety_table(truth.spec()).as_bytes())
 }
 
+/// Grey level of a label in safety_map.png.
 fn grey(label: SafetyLabel) -> u8 {
-    LABELS.iter().find(|(known, _, _)| *known == label).map_or(0, |(_, grey, _)| *grey)
+    match label {
+        SafetyLabel::NonGround => 0,
+        SafetyLabel::Unknown => 128,
+        SafetyLabel::Inclined => 200,
+        SafetyLabel::Level => 255,
+    }
 }
 
 fn safety_table(spec: &GridSpec) -> String {
     let ([x, y, _], [nx, ny, _]) = (spec.origin_m(), spec.shape());
-    let labels: String = LABELS.iter().map(|(_, grey, name)| format!("{name} = {grey}\n")).collect();
+    let labels: String =
+        LABELS.iter().map(|&label| format!("{} = {}\n", label.name(), grey(label))).collect();
     format!(
-        "# safety_map.png: one pixel for each cell of the ground plan, seen from above, x of the map frame up, y to\n\
-         # the left. The pixel in row r and column c is the cell (i, j) = ({last_i} - r, {last_j} - c), which covers\n\
+        "# safety_map.png: one pixel for each cell of the ground plan, seen from above, x of the map frame \
+         up, y to\n\
+         # the left. The pixel in row r and column c is the cell (i, j) = ({last_i} - r, {last_j} - c), \
+         which covers\n\
          # origin_m + [i, i+1) x [j, j+1) cells.\n\
          origin_m = [{x:?}, {y:?}]\n\
          cell_size_m = {:?}\n\

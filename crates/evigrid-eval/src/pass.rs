@@ -1,0 +1,345 @@
+//! The one loop over frames, for a run, a sweep and the score of a foreign map: a frame is read once, matched
+//! once per setting of the matcher, integrated into every map, and added once to every truth.
+
+use anyhow::{Context, Result};
+use evigrid_core::{Frame, Matching, Mounting, View};
+use evigrid_grid::{Layer, Needs};
+use evigrid_methods::Family;
+use evigrid_metrics::Scores;
+use evigrid_results::{MethodResult, RunResult, StageTime};
+use rayon::prelude::*;
+
+use crate::match_source::MatchSource;
+use crate::plan::RunJob;
+use crate::prefetch::read_ahead;
+use crate::{Clock, Config, Recording, Truth};
+
+/// Whether maps are integrated one after the other, so that their times can be compared, or side by side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Order {
+    /// One after the other.
+    InTurn,
+    /// On all threads.
+    SideBySide,
+}
+
+/// One map in the making: the method, and the run that it is made for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Entrant<'a> {
+    /// The run, with all settings.
+    pub job: &'a RunJob,
+    /// Position of the method in that run.
+    pub method: usize,
+}
+
+impl<'a> Entrant<'a> {
+    /// All methods of a run.
+    pub fn all_of(job: &'a RunJob) -> Vec<Self> {
+        (0..job.methods.len()).map(|method| Self { job, method }).collect()
+    }
+
+    /// Name of the method.
+    pub fn name(&self) -> &'static str {
+        self.job.methods[self.method].name
+    }
+
+    fn config(&self) -> &'a Config {
+        &self.job.config
+    }
+
+    pub fn same_matches(&self, other: &Self) -> bool {
+        let (a, b) = (self.config(), other.config());
+        a.stereo == b.stereo && a.input == b.input
+    }
+
+    fn same_truth(&self, other: &Self) -> bool {
+        let (a, b) = (self.config(), other.config());
+        a.grid == b.grid && a.truth == b.truth && a.score.plan_band_m == b.score.plan_band_m
+    }
+
+    fn same_kind(&self, other: &Self) -> bool {
+        self.name() == other.name() && self.job.info.spec == other.job.info.spec
+    }
+}
+
+/// Puts each entrant's group number down: the first entrant of its group, among `entrants`, comes first.
+pub(crate) fn groups<'a>(
+    entrants: &[Entrant<'a>],
+    same: impl Fn(&Entrant<'a>, &Entrant<'a>) -> bool,
+) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (number, entrant) in entrants.iter().enumerate() {
+        match groups.iter_mut().find(|group| same(&entrants[group[0]], entrant)) {
+            Some(group) => group.push(number),
+            None => groups.push(vec![number]),
+        }
+    }
+    groups
+}
+
+/// Where the map of an entrant is made and what it is scored against.
+#[derive(Debug, Clone, Copy, Default)]
+struct Place {
+    lane: usize,
+    family: usize,
+    member: usize,
+    truth: usize,
+}
+
+/// All maps in the making on the same frames.
+pub(crate) struct Pass<'a> {
+    entrants: Vec<Entrant<'a>>,
+    places: Vec<Place>,
+    lanes: Vec<Lane>,
+    truths: Vec<Truth>,
+    mounting: Option<Mounting>,
+}
+
+/// One setting of the matcher with all maps that are made from its matches.
+struct Lane {
+    source: MatchSource,
+    needs: Needs,
+    families: Vec<LaneFamily>,
+    /// Matches of the current frame.
+    matching: Option<Matching>,
+}
+
+/// A family of maps, and the entrant that its first map belongs to.
+struct LaneFamily {
+    family: Family,
+    first: usize,
+}
+
+/// A frame that has been integrated.
+pub(crate) struct Moment<'a> {
+    /// Position in the run, from 0.
+    pub position: usize,
+    /// The frame.
+    pub frame: &'a Frame,
+    /// How long its stages took so far.
+    pub times: Vec<StageTime>,
+}
+
+impl<'a> Pass<'a> {
+    /// Empty maps for entrants on the same frames, at least one.
+    ///
+    /// # Errors
+    /// If a setting is outside its domain, or a world lacks what an exact truth needs.
+    pub fn new(recording: &Recording, entrants: Vec<Entrant<'a>>) -> Result<Self> {
+        let mut pass = Self::without_maps(recording, entrants)?;
+        for (lane, group) in groups(&pass.entrants, Entrant::same_matches).into_iter().enumerate() {
+            let config = pass.entrants[group[0]].config();
+            let mut new = Lane {
+                source: MatchSource::new(config)?,
+                needs: Needs::NOTHING,
+                families: Vec::new(),
+                matching: None,
+            };
+            let members: Vec<Entrant<'a>> = group.iter().map(|&i| pass.entrants[i]).collect();
+            for kind in groups(&members, Entrant::same_kind) {
+                let numbers: Vec<usize> = kind.iter().map(|&i| group[i]).collect();
+                pass.add_families(lane, &mut new, &numbers)?;
+            }
+            pass.lanes.push(new);
+        }
+        Ok(pass)
+    }
+
+    /// One entrant whose map has been made already.
+    pub fn ended(recording: &Recording, entrant: Entrant<'a>, family: Family) -> Result<Self> {
+        let mut pass = Self::without_maps(recording, vec![entrant])?;
+        let families = vec![LaneFamily { family, first: 0 }];
+        let source = MatchSource::new(entrant.config())?;
+        pass.lanes.push(Lane { source, needs: Needs::NOTHING, families, matching: None });
+        Ok(pass)
+    }
+
+    fn without_maps(recording: &Recording, entrants: Vec<Entrant<'a>>) -> Result<Self> {
+        let mounting = entrants.first().and_then(|entrant| entrant.job.mounting);
+        let mut places = vec![Place::default(); entrants.len()];
+        let mut truths = Vec::new();
+        for (truth, group) in groups(&entrants, Entrant::same_truth).into_iter().enumerate() {
+            truths.push(Truth::new(entrants[group[0]].job, recording)?);
+            group.into_iter().for_each(|i| places[i].truth = truth);
+        }
+        Ok(Self { entrants, places, lanes: Vec::new(), truths, mounting })
+    }
+
+    /// Adds the maps of entrants of one method on one grid.
+    fn add_families(&mut self, lane: usize, to: &mut Lane, numbers: &[usize]) -> Result<()> {
+        let first = self.entrants[numbers[0]];
+        let method = &first.job.methods[first.method];
+        let tables: Vec<_> =
+            numbers.iter().map(|&i| self.entrants[i].config().methods.table(method.name)).collect();
+        let tables: Vec<_> = tables.iter().collect();
+        to.needs = to.needs.and(method.needs);
+        for family in method.families(first.job.info.spec, &tables)? {
+            for (member, &at) in family.members.iter().enumerate() {
+                let place = &mut self.places[numbers[at]];
+                (place.lane, place.family, place.member) = (lane, to.families.len(), member);
+            }
+            let first = numbers[family.members[0]];
+            to.families.push(LaneFamily { family, first });
+        }
+        Ok(())
+    }
+
+    /// Maps all frames. `follow` sees every frame when it has been integrated.
+    ///
+    /// # Errors
+    /// If a frame cannot be read, matched or mapped, or `follow` fails; the pass stops there.
+    pub fn drive(
+        &mut self,
+        recording: &Recording,
+        clock: &dyn Clock,
+        order: Order,
+        follow: &mut dyn FnMut(&mut Self, Moment<'_>) -> Result<()>,
+    ) -> Result<()> {
+        let job = self.entrants[0].job;
+        std::thread::scope(|scope| {
+            let (frames, map_from_world) = (&job.info.frames, job.map_from_world);
+            let frames = read_ahead(scope, recording.sequence(), frames, map_from_world, clock);
+            for (position, read) in frames.iter().enumerate() {
+                let (frame, read_ms) = read?;
+                let mut times = Times { clock, frame: frame.index(), list: Vec::new() };
+                times.list.push(StageTime { frame: frame.index(), method: None, stage: "read", ms: read_ms });
+                self.step(&frame, order, &mut times)?;
+                follow(self, Moment { position, frame: &frame, times: times.list })?;
+                self.lanes.iter_mut().for_each(Lane::recycle);
+            }
+            Ok(())
+        })
+    }
+
+    /// One frame: match, integrate, truth.
+    fn step(&mut self, frame: &Frame, order: Order, times: &mut Times<'_>) -> Result<()> {
+        for lane in &mut self.lanes {
+            lane.match_pair(frame, times)?;
+            lane.integrate(frame, self.mounting, order, times)
+                .with_context(|| format!("frame {}", frame.index()))?;
+        }
+        times.stage("truth", None, || self.truths.iter_mut().for_each(|truth| truth.add(frame)));
+        Ok(())
+    }
+
+    /// How many maps there are.
+    pub fn len(&self) -> usize {
+        self.entrants.len()
+    }
+
+    /// One of the entrants.
+    pub fn entrant(&self, number: usize) -> Entrant<'a> {
+        self.entrants[number]
+    }
+
+    /// The layers of an entrant's map so far.
+    pub fn layers(&self, number: usize) -> Vec<Layer<'_>> {
+        let Place { lane, family, member, .. } = self.places[number];
+        self.lanes[lane].families[family].family.mapper.layers(member)
+    }
+
+    /// The truth that an entrant is scored against.
+    pub fn truth(&self, number: usize) -> &Truth {
+        &self.truths[self.places[number].truth]
+    }
+
+    /// The matches of the current frame that an entrant saw; `None` if nobody needed any.
+    pub fn matching(&self, number: usize) -> Option<&Matching> {
+        self.lanes[self.places[number].lane].matching.as_ref()
+    }
+
+    /// Scores of an entrant's map so far.
+    pub fn scores(&self, number: usize) -> Vec<Scores> {
+        self.truth(number).scores(&self.layers(number), &self.entrants[number].job.info.tolerances_m)
+    }
+
+    /// Scores of an entrant's map at the end.
+    pub fn method_result(&self, number: usize, layers: &[Layer<'_>]) -> MethodResult {
+        let entrant = &self.entrants[number];
+        let scores = self.truth(number).final_scores(layers, &entrant.job.info.tolerances_m);
+        MethodResult { method: entrant.name().to_owned(), scores }
+    }
+
+    /// The result of a run with these methods, whose times nobody took.
+    pub fn run_result(&self, number: usize, methods: Vec<MethodResult>) -> RunResult {
+        RunResult {
+            methods,
+            frames: self.entrants[number].job.info.frames.len(),
+            without_laser: self.truth(number).without_laser().to_vec(),
+            wall_ms: 0.0,
+            stage_totals: Vec::new(),
+        }
+    }
+}
+
+impl Lane {
+    /// Computes or reads what all maps of the lane share, if any of them needs it.
+    fn match_pair(&mut self, frame: &Frame, times: &mut Times<'_>) -> Result<()> {
+        if self.needs.matches {
+            let (source, needs) = (&mut self.source, self.needs);
+            self.matching = Some(times.stage("match", None, || source.run(frame, needs))?);
+        }
+        Ok(())
+    }
+
+    fn integrate(
+        &mut self,
+        frame: &Frame,
+        mounting: Option<Mounting>,
+        order: Order,
+        times: &mut Times<'_>,
+    ) -> Result<()> {
+        let nothing;
+        let matching = match &self.matching {
+            Some(matching) => matching,
+            None => {
+                nothing = unmatched(frame)?;
+                &nothing
+            }
+        };
+        let view = View::new(frame, mounting, matching);
+        match order {
+            Order::SideBySide => self.families.par_iter_mut().try_for_each(|own| own.integrate(&view)),
+            Order::InTurn => self.families.iter_mut().try_for_each(|own| {
+                let method = Some(own.first);
+                times.stage("integrate", method, || own.integrate(&view))
+            }),
+        }
+    }
+
+    fn recycle(&mut self) {
+        if let Some(matching) = self.matching.take() {
+            self.source.recycle(matching);
+        }
+    }
+}
+
+impl LaneFamily {
+    fn integrate(&mut self, view: &View<'_>) -> Result<()> {
+        Ok(self.family.mapper.integrate(view)?)
+    }
+}
+
+/// Matches for methods that look at none: no pixel has a disparity.
+fn unmatched(frame: &Frame) -> Result<Matching> {
+    let (width, height) = (frame.rig().width, frame.rig().height);
+    let nothing = evigrid_core::Disparity::new(width, height, vec![f32::NAN; width * height])?;
+    Ok(Matching::from_disparity(nothing))
+}
+
+/// Takes the times of the stages of one frame.
+struct Times<'a> {
+    clock: &'a dyn Clock,
+    frame: usize,
+    list: Vec<StageTime>,
+}
+
+impl Times<'_> {
+    fn stage<T>(&mut self, stage: &'static str, method: Option<usize>, run: impl FnOnce() -> T) -> T {
+        let start = self.clock.now_ms();
+        let result = run();
+        let ms = self.clock.now_ms() - start;
+        self.list.push(StageTime { frame: self.frame, method, stage, ms });
+        result
+    }
+}

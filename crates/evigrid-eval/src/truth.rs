@@ -1,0 +1,164 @@
+use std::ops::Range;
+
+use anyhow::{Context, Result};
+use evigrid_core::{Frame, Mounting};
+use evigrid_grid::{GridSpec, Layer, LayerKind, PlanGrid, SafetyMap, levels_in_band, projected};
+use evigrid_metrics::{PlanReference, Scores, VoxelReference};
+use evigrid_results::TruthFile;
+use evigrid_synth::{SafetySettings, SafetyTruth, VoxelState, VoxelTruth};
+use evigrid_truth::{LaserTruth, TruthSettings, TruthSource};
+
+use crate::plan::RunJob;
+use crate::{Config, Recording};
+
+/// The truth of a run so far, kind by kind: voxels, the ground plan by projection, and safety labels.
+#[derive(Debug)]
+pub struct Truth {
+    voxels: Voxels,
+    safety: Option<SafetyMap>,
+    /// Levels of voxels that make up the ground plan; `None` if nobody tells where the ground is.
+    band: Option<Range<usize>>,
+    without_laser: Vec<usize>,
+}
+
+/// Where the truth of voxels comes from.
+#[derive(Debug)]
+enum Voxels {
+    /// The laser scans so far.
+    Laser(LaserTruth),
+    /// The shapes of a world over all frames of the run; occupied and observed by flat index.
+    Exact { spec: GridSpec, occupied: Vec<bool>, observed: Vec<bool> },
+}
+
+impl Truth {
+    /// The truth before the first frame.
+    ///
+    /// # Errors
+    /// If a setting is outside its domain, or a world lacks what an exact truth needs.
+    pub(crate) fn new(job: &RunJob, recording: &Recording) -> Result<Self> {
+        let (config, spec) = (&job.config, job.info.spec);
+        let band = job.mounting.map(|mounting| plan_levels(&spec, config, mounting));
+        let voxels = match (config.truth.source, recording.world()) {
+            (TruthSource::Exact, Some(world)) => {
+                let exact = VoxelTruth::new(world, spec, &job.map_from_world, &job.info.frames);
+                let is = |state: VoxelState| exact.states().iter().map(|s| *s == state).collect::<Vec<_>>();
+                // The inside of solids is nothing that a sensor could observe.
+                let observed = is(VoxelState::Hidden).into_iter().map(|hidden| !hidden).collect();
+                Voxels::Exact { spec, occupied: is(VoxelState::Occupied), observed }
+            }
+            _ => return Ok(Self { band, ..Self::laser(spec, config.truth)? }),
+        };
+        let safety = exact_safety(job, recording)?;
+        Ok(Self { voxels, safety, band, without_laser: Vec::new() })
+    }
+
+    /// A truth of voxels alone, from the laser scans of the frames that are added.
+    ///
+    /// # Errors
+    /// If a setting is outside its domain.
+    pub fn laser(spec: GridSpec, settings: TruthSettings) -> Result<Self> {
+        let voxels = Voxels::Laser(LaserTruth::new(spec, settings)?);
+        Ok(Self { voxels, safety: None, band: None, without_laser: Vec::new() })
+    }
+
+    /// Adds a frame's scan, if it has one.
+    pub fn add(&mut self, frame: &Frame) {
+        match (&mut self.voxels, frame.laser()) {
+            (Voxels::Laser(truth), Some(scan)) => truth.add_scan(scan),
+            (Voxels::Laser(_), None) => self.without_laser.push(frame.index()),
+            (Voxels::Exact { .. }, _) => {}
+        }
+    }
+
+    /// The truth of voxels; `None` while there was no laser scan.
+    pub fn voxels(&self) -> Option<VoxelReference<'_>> {
+        match &self.voxels {
+            Voxels::Laser(truth) if truth.scans() == 0 => None,
+            Voxels::Laser(truth) => Some(VoxelReference {
+                spec: truth.spec(),
+                occupied: truth.occupied(),
+                observed: truth.observed(),
+            }),
+            Voxels::Exact { spec, occupied, observed } => Some(VoxelReference { spec, occupied, observed }),
+        }
+    }
+
+    /// The truth of the ground plan, by projection; `None` without voxels, or if nobody tells where the
+    /// ground is.
+    pub fn plan(&self) -> Option<PlanReference> {
+        Some(PlanReference::projected(&self.voxels()?, self.band.clone()?))
+    }
+
+    /// The truth of safety labels, where there is one.
+    pub fn safety(&self) -> Option<&SafetyMap> {
+        self.safety.as_ref()
+    }
+
+    /// How many laser scans are in it.
+    pub fn scans(&self) -> usize {
+        match &self.voxels {
+            Voxels::Laser(truth) => truth.scans(),
+            Voxels::Exact { .. } => 0,
+        }
+    }
+
+    /// Numbers of the frames that had no scan for it.
+    pub fn without_laser(&self) -> &[usize] {
+        &self.without_laser
+    }
+
+    /// The parts that are written to disk; `None` if there are none.
+    pub fn file(&self) -> Option<TruthFile<'_>> {
+        let (voxels, safety) = (self.voxels(), self.safety());
+        (voxels.is_some() || safety.is_some()).then_some(TruthFile { voxels, safety })
+    }
+
+    /// Scores of the layers of one map after a frame, one entry per layer that there is a truth for.
+    pub(crate) fn scores(&self, layers: &[Layer<'_>], tolerances_m: &[f64]) -> Vec<Scores> {
+        layers.iter().filter_map(|layer| self.score(layer, tolerances_m, Scores::voxels)).collect()
+    }
+
+    /// Scores of the layers of one map at the end of a run. A map without a plan of its own is projected to
+    /// one, so that all methods stand in one two-dimensional table.
+    pub(crate) fn final_scores(&self, layers: &[Layer<'_>], tolerances_m: &[f64]) -> Vec<Scores> {
+        let own = layers.iter().filter_map(|layer| self.score(layer, tolerances_m, Scores::voxels_at_end));
+        let mut scores: Vec<Scores> = own.collect();
+        let has_plan = layers.iter().any(|layer| layer.kind() == LayerKind::Plan);
+        let voxels = layers.iter().find_map(Layer::voxels);
+        if let (false, Some(map), Some(levels)) = (has_plan, voxels, self.band.clone()) {
+            scores.extend(self.plan_scores(&projected(map, levels)));
+        }
+        scores
+    }
+
+    fn score(&self, layer: &Layer<'_>, tolerances_m: &[f64], of_voxels: VoxelScoring) -> Option<Scores> {
+        match layer {
+            Layer::Voxels(map) => Some(of_voxels(map.values(), &self.voxels()?, tolerances_m)),
+            Layer::Plan(plan) => self.plan_scores(plan),
+            Layer::Safety(map) => Some(Scores::safety(map, self.safety()?)),
+        }
+    }
+
+    fn plan_scores(&self, plan: &PlanGrid) -> Option<Scores> {
+        Some(Scores::plan(plan, &self.plan()?))
+    }
+}
+
+type VoxelScoring = fn(&[f32], &VoxelReference<'_>, &[f64]) -> Scores;
+
+/// The levels of the ground plan: a band over the ground below the first camera.
+fn plan_levels(spec: &GridSpec, config: &Config, mounting: Mounting) -> Range<usize> {
+    levels_in_band(spec, config.score.plan_band_m.map(|height_m| height_m - mounting.height_m))
+}
+
+/// The exact safety labels of a world, if a method shows such labels and the world tells of a robot.
+fn exact_safety(job: &RunJob, recording: &Recording) -> Result<Option<SafetyMap>> {
+    let is_wanted = job.methods.iter().any(|method| method.layers.contains(&LayerKind::Safety));
+    let (true, TruthSource::Exact, Some(world)) = (is_wanted, job.config.truth.source, recording.world())
+    else {
+        return Ok(None);
+    };
+    let (spec, first) = (job.info.spec, job.info.frames[0]);
+    let truth = SafetyTruth::new(world, spec, &job.map_from_world, first, &SafetySettings::default());
+    Ok(Some(truth.context("truth.source = exact")?.map()))
+}

@@ -1,0 +1,272 @@
+use crate::metric::{Better, Kind, Metric, Of, Show, Tolerance};
+use crate::ratio;
+
+/// A rate that is better when it is higher. Runs repeat to the last digit, so the tolerance is not for noise:
+/// 0.002 is what is too little to care about.
+const RATE: Metric = Metric {
+    name: "",
+    kind: Kind::Rate,
+    unit: "0..1",
+    better: Better::Higher,
+    tolerance: Tolerance { amount: 0.002, share: 0.0 },
+    judged: true,
+    formula: "",
+    show: Show::No,
+    of: Of::Run,
+};
+
+/// A count that says again what the rates say, so it is not judged.
+const COUNT: Metric = Metric {
+    kind: Kind::Count,
+    unit: "cells",
+    better: Better::Lower,
+    tolerance: Tolerance { amount: 0.0, share: 0.01 },
+    judged: false,
+    ..RATE
+};
+
+/// Cells of the reference. Not every machine rounds a synthetic world alike, so a thousandth may differ.
+const REFERENCE: Metric = Metric {
+    kind: Kind::Reference,
+    better: Better::Neither,
+    tolerance: Tolerance { amount: 0.0, share: 0.001 },
+    ..COUNT
+};
+
+/// Time of one stage of a frame; a clock is off by half a millisecond on its own.
+const TIME: Metric = Metric {
+    kind: Kind::Cost,
+    unit: "ms",
+    better: Better::Lower,
+    tolerance: Tolerance { amount: 0.5, share: 0.2 },
+    judged: false,
+    of: Of::Run,
+    ..RATE
+};
+
+/// Every metric of the program, in the order of the columns. A row here is all that a metric takes.
+pub const METRICS: &[Metric] = &[
+    Metric {
+        name: "hits",
+        better: Better::Higher,
+        formula: "occupied and true",
+        show: Show::Sweep("hits"),
+        of: Of::Voxels(|c| c.counts.hits as f64),
+        ..COUNT
+    },
+    Metric {
+        name: "mistakes",
+        formula: "occupied and not true",
+        show: Show::Sweep("mistakes"),
+        of: Of::Voxels(|c| c.counts.mistakes as f64),
+        ..COUNT
+    },
+    // Of the other mistakes the laser knows nothing, so only these are judged.
+    Metric {
+        name: "mistakes_observed",
+        judged: true,
+        formula: "occupied, observed and not true: the mistakes that the reference can refute",
+        show: Show::Table("of them observed"),
+        of: Of::Voxels(|c| c.counts.mistakes_observed as f64),
+        ..COUNT
+    },
+    Metric {
+        name: "missed",
+        formula: "true and not occupied",
+        show: Show::Table("missed"),
+        of: Of::Voxels(|c| c.counts.missed() as f64),
+        ..COUNT
+    },
+    Metric {
+        name: "precision",
+        formula: "hits / (hits + mistakes)",
+        show: Show::Sweep("precision"),
+        of: Of::Voxels(|c| c.counts.precision()),
+        ..RATE
+    },
+    Metric {
+        name: "recall",
+        formula: "hits / (hits + missed)",
+        show: Show::Sweep("recall"),
+        of: Of::Voxels(|c| c.counts.recall()),
+        ..RATE
+    },
+    Metric {
+        name: "f1",
+        formula: "2 hits / (2 hits + mistakes + missed)",
+        show: Show::Main("F1"),
+        of: Of::Voxels(|c| c.counts.f1()),
+        ..RATE
+    },
+    Metric {
+        name: "true_cells",
+        formula: "true cells of the reference",
+        show: Show::Table("occupied cells"),
+        of: Of::Voxels(|c| c.reference.true_cells() as f64),
+        ..REFERENCE
+    },
+    Metric {
+        name: "observed_cells",
+        formula: "observed cells of the reference",
+        show: Show::Table("observed"),
+        of: Of::Voxels(|c| c.reference.observed_cells() as f64),
+        ..REFERENCE
+    },
+    Metric {
+        name: "missed_unknown",
+        formula: "those of the missed that the map never touched",
+        of: Of::Voxels(|c| c.counts.missed_unknown as f64),
+        ..COUNT
+    },
+    Metric {
+        name: "touched",
+        better: Better::Neither,
+        formula: "cells that the map has touched",
+        of: Of::Voxels(|c| c.counts.touched as f64),
+        ..COUNT
+    },
+    Metric {
+        name: "precision_observed",
+        formula: "hits / (hits + mistakes_observed)",
+        of: Of::Voxels(|c| c.counts.precision_observed()),
+        ..RATE
+    },
+    Metric {
+        name: "f1_observed",
+        formula: "2 hits / (2 hits + mistakes_observed + missed)",
+        of: Of::Voxels(|c| c.counts.f1_observed()),
+        ..RATE
+    },
+    Metric {
+        name: "accuracy",
+        formula: "share of the occupied cells with a true cell within T metres (centre to centre)",
+        of: Of::VoxelsWithin(|t| t.accuracy),
+        ..RATE
+    },
+    Metric {
+        name: "completeness",
+        formula: "share of the true cells with an occupied cell within T metres",
+        of: Of::VoxelsWithin(|t| t.completeness),
+        ..RATE
+    },
+    Metric {
+        name: "f_score",
+        formula: "harmonic mean of accuracy and completeness (Knapitsch et al. 2017, Tanks and Temples)",
+        show: Show::Table("F within {} m"),
+        of: Of::VoxelsWithin(|t| t.f_score),
+        ..RATE
+    },
+    Metric {
+        name: "curve_area",
+        formula: "area under hits over mistakes, from 0 to as many mistakes as there are true cells, \
+                  divided by that number squared",
+        show: Show::Table("curve area"),
+        of: Of::VoxelsAtEnd(|_, curve| curve.area()),
+        ..RATE
+    },
+    Metric {
+        name: "average_precision",
+        formula: "sum over the thresholds of the rise in recall times the precision there",
+        of: Of::VoxelsAtEnd(|_, curve| curve.average_precision()),
+        ..RATE
+    },
+    Metric {
+        name: "plan_hits",
+        better: Better::Higher,
+        formula: "occupied and true",
+        show: Show::Sweep("hits"),
+        of: Of::Plan(|c| c.counts.hits as f64),
+        ..COUNT
+    },
+    Metric {
+        name: "plan_mistakes",
+        formula: "occupied, and free in the reference",
+        show: Show::Sweep("mistakes"),
+        of: Of::Plan(|c| c.counts.mistakes as f64),
+        ..COUNT
+    },
+    Metric {
+        name: "plan_missed",
+        formula: "true and not occupied, or true where the plan has no cell",
+        show: Show::Table("missed"),
+        of: Of::Plan(|c| c.counts.missed as f64),
+        ..COUNT
+    },
+    Metric {
+        name: "plan_precision",
+        formula: "plan_hits / (plan_hits + plan_mistakes)",
+        show: Show::Sweep("precision"),
+        of: Of::Plan(|c| c.counts.precision()),
+        ..RATE
+    },
+    Metric {
+        name: "plan_recall",
+        formula: "plan_hits / (plan_hits + plan_missed)",
+        show: Show::Sweep("recall"),
+        of: Of::Plan(|c| c.counts.recall()),
+        ..RATE
+    },
+    Metric {
+        name: "plan_f1",
+        formula: "2 plan_hits / (2 plan_hits + plan_mistakes + plan_missed)",
+        show: Show::Main("F1"),
+        of: Of::Plan(|c| c.counts.f1()),
+        ..RATE
+    },
+    Metric {
+        name: "plan_auc",
+        formula: "chance that a true cell of the plan has a higher P than a free one; ties count half, \
+                  a cell of which the plan knows nothing has P = 0.5",
+        show: Show::Table("AUC"),
+        of: Of::Plan(|c| c.auc()),
+        ..RATE
+    },
+    Metric {
+        name: "safety_fn_rate",
+        better: Better::Lower,
+        formula: "FN / (FN + TP): of the unsafe cells that the map classifies, those taken for safe",
+        show: Show::Sweep("unsafe taken for safe"),
+        of: Of::Safety(|c| {
+            ratio(c.counts.false_negatives, c.counts.false_negatives + c.counts.true_positives)
+        }),
+        ..RATE
+    },
+    Metric {
+        name: "safety_fp_rate",
+        better: Better::Lower,
+        formula: "FP / (FP + TN): of the safe cells that the map classifies, those taken for unsafe",
+        show: Show::Sweep("safe taken for unsafe"),
+        of: Of::Safety(|c| {
+            ratio(c.counts.false_positives, c.counts.false_positives + c.counts.true_negatives)
+        }),
+        ..RATE
+    },
+    Metric {
+        name: "safety_unclassified",
+        better: Better::Lower,
+        formula: "share of the cells that the truth classifies and the map does not",
+        show: Show::Sweep("unclassified"),
+        of: Of::Safety(|c| ratio(c.counts.unclassified(), c.counts.truly_safe() + c.counts.truly_unsafe())),
+        ..RATE
+    },
+    // The main one: both rates above are perfect for a map that classifies next to nothing, this one is not.
+    Metric {
+        name: "safety_unsafe_found",
+        formula: "TP / all unsafe cells of the truth",
+        show: Show::Main("unsafe found"),
+        of: Of::Safety(|c| ratio(c.counts.true_positives, c.counts.truly_unsafe())),
+        ..RATE
+    },
+    Metric { name: "read_ms", formula: "decoding a frame", ..TIME },
+    Metric { name: "match_ms", formula: "matching a frame", ..TIME },
+    Metric { name: "integrate_ms", formula: "mapping a frame, per method", ..TIME },
+    Metric { name: "truth_ms", formula: "adding a frame to the reference", ..TIME },
+    Metric { name: "score_ms", formula: "scoring after a frame, per method", ..TIME },
+    Metric {
+        name: "peak_memory_mib",
+        unit: "MiB",
+        tolerance: Tolerance { amount: 4.0, share: 0.2 },
+        formula: "peak memory of the whole process",
+        ..TIME
+    },
+];

@@ -1,0 +1,40 @@
+//! The one list of the parts of a recording.
+
+use evigrid_grid::LayerKind;
+
+use crate::camera::CameraPart;
+use crate::curve_plot::CurvePart;
+use crate::disparity_image::DisparityPart;
+use crate::laser::LaserPart;
+use crate::map::MapPart;
+use crate::part::{Part, Start};
+use crate::plan::PlanPart;
+use crate::safety::SafetyPart;
+use crate::series::SeriesPart;
+use crate::summary::SummaryPart;
+use crate::trajectory::TrajectoryPart;
+
+/// The parts of a run's recording. Views in one place stand in the order of the parts.
+pub(crate) fn parts(start: Start<'_>) -> Vec<Box<dyn Part>> {
+    let mut parts: Vec<Box<dyn Part>> = vec![
+        Box::new(CameraPart::default()),
+        Box::new(TrajectoryPart::default()),
+        Box::new(LaserPart),
+        Box::new(DisparityPart::new(start)),
+    ];
+    for (number, method) in start.info.methods.iter().enumerate() {
+        for layer in &method.layers {
+            parts.push(match layer {
+                LayerKind::Voxels => Box::new(MapPart::new(start, number)),
+                LayerKind::Plan => Box::new(PlanPart::new(start, number)),
+                LayerKind::Safety => Box::new(SafetyPart::new(start, number)),
+            });
+        }
+    }
+    parts.extend([
+        Box::new(SeriesPart::new(start)) as Box<dyn Part>,
+        Box::new(CurvePart),
+        Box::new(SummaryPart::new(start)),
+    ]);
+    parts
+}

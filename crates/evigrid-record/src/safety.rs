@@ -1,0 +1,60 @@
+use anyhow::Result;
+use evigrid_eval::Step;
+use evigrid_grid::{Layer, SafetyLabel};
+use rerun::AnnotationContext;
+use rerun::datatypes::{AnnotationInfo, ClassDescription, Rgba32};
+
+use crate::blueprint::Pane;
+use crate::layout::dark;
+use crate::part::{Out, Part, Shown, Slot, Start};
+use crate::plan::plan_image;
+
+/// The safety labels of one method: forward to the right, left upwards, one pixel per cell.
+pub(crate) struct SafetyPart {
+    number: usize,
+    method: String,
+}
+
+impl SafetyPart {
+    pub fn new(start: Start<'_>, number: usize) -> Self {
+        Self { number, method: start.info.methods[number].name.clone() }
+    }
+
+    fn path(&self) -> String {
+        format!("safety/{}", self.method)
+    }
+}
+
+/// Colours that stay apart for the colour-blind (Okabe and Ito).
+fn colour(label: SafetyLabel) -> Rgba32 {
+    match label {
+        SafetyLabel::Level => Rgba32::from_rgb(0, 158, 115),
+        SafetyLabel::Inclined => Rgba32::from_rgb(240, 228, 66),
+        SafetyLabel::NonGround => Rgba32::from_rgb(213, 94, 0),
+        SafetyLabel::Unknown => Rgba32::from_rgb(24, 26, 30),
+    }
+}
+
+impl Part for SafetyPart {
+    fn begin(&mut self, out: &mut Out<'_>) -> Result<()> {
+        let about = |label: SafetyLabel| {
+            ClassDescription::from(AnnotationInfo::from((label as u16, label.name(), colour(label))))
+        };
+        out.always(self.path(), &AnnotationContext::new(SafetyLabel::ALL.map(about)))
+    }
+
+    fn frame(&mut self, out: &mut Out<'_>, step: &Step<'_>) -> Result<()> {
+        for layer in step.methods[self.number].layers {
+            if let Layer::Safety(map) = layer {
+                let numbers: Vec<u8> = map.labels().iter().map(|label| *label as u8).collect();
+                out.log(self.path(), &plan_image(map.spec(), &numbers))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn panes(&self, _: &Shown) -> Vec<(Slot, Pane)> {
+        let title = format!("{}: green level, yellow inclined, red not to be driven on", self.method);
+        vec![(Slot::Space, Pane::new("2D", title, &self.path()).with("Background", dark()))]
+    }
+}

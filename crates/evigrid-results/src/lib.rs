@@ -1,0 +1,32 @@
+//! Results on disk: the folder of a run, its tables, map files and summary, and the comparison of two runs.
+//!
+//! docs/metrics.md describes every file and column.
+
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+mod compare;
+pub mod files;
+mod info;
+mod layer_file;
+mod map_file;
+pub mod npz;
+mod outputs;
+mod run_file;
+mod summary;
+mod tables;
+#[cfg(test)]
+mod test_run;
+mod writer;
+#[cfg(test)]
+mod writer_tests;
+
+pub use compare::{CompareOptions, Comparison, ToleranceRule, compare, parse_percent};
+pub use files::RECORDING;
+pub use info::{FrameRow, MethodInfo, MethodResult, RunInfo, RunResult, SettingsText, StageTime, TruthFile};
+pub use layer_file::{write_layer, write_plan, write_safety};
+pub use map_file::{MapFile, read_map, write_map, write_truth};
+pub use outputs::{PendingFile, ResultsFolder, SealedFile};
+pub use run_file::{RESULTS_FORMAT, run_json};
+pub use summary::markdown_summary;
+pub use tables::{seal, summary_header, write_rows, write_text};
+pub use writer::{Kept, ResultsWriter, has_maps};

@@ -1,0 +1,161 @@
+//! The summary of a run as a page that a person reads.
+
+use std::fmt::Write as _;
+
+use evigrid_grid::LayerKind;
+use evigrid_metrics::{Kind, Score, Scores};
+
+use crate::{RunInfo, RunResult};
+
+/// Words for a source of truth.
+struct Words {
+    /// In front of the numbers of true cells.
+    says: &'static str,
+    /// Where nothing could be scored.
+    no_scores: &'static str,
+    /// Meaning of the counts.
+    counts: &'static str,
+}
+
+const LASER: Words = Words {
+    says: "The laser says",
+    no_scores: "No laser scan came with these frames: the maps are not scored.",
+    counts: "Hits: occupied in the map and for the laser. Mistakes: occupied in the map alone. \
+             Missed: occupied for the laser alone.",
+};
+
+const EXACT: Words = Words {
+    says: "The exact truth",
+    no_scores: "There is no exact truth for these maps: they are not scored.",
+    counts: "Hits: occupied in the map and in truth. Mistakes: occupied in the map alone. \
+             Missed: occupied in truth alone.",
+};
+
+/// The result of a run as Markdown.
+pub fn markdown_summary(info: &RunInfo, result: &RunResult) -> String {
+    let words = if info.truth == "exact" { EXACT } else { LASER };
+    let mut text = heading(info, result);
+    if !LayerKind::ALL.into_iter().any(|kind| result.has_scores(kind)) {
+        let _ = writeln!(text, "{}", words.no_scores);
+        return text;
+    }
+    if let Some(scores) = any_scores(result, LayerKind::Voxels) {
+        let _ = writeln!(text, "{}: {}.\n", words.says, reference(scores));
+        table(&mut text, result, LayerKind::Voxels);
+    }
+    if !result.without_laser.is_empty() {
+        let _ = writeln!(
+            text,
+            "\nFrames without a laser scan (mapped, but not in the reference): {}.",
+            result.without_laser.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
+        );
+    }
+    if result.has_scores(LayerKind::Voxels) || result.has_scores(LayerKind::Plan) {
+        let _ = writeln!(text, "\n{}", words.counts);
+    }
+    for (kind, heading) in [(LayerKind::Plan, "Ground plan"), (LayerKind::Safety, "Safety")] {
+        if result.has_scores(kind) {
+            let _ = writeln!(text, "\n## {heading}\n");
+            table(&mut text, result, kind);
+        }
+    }
+    text
+}
+
+fn heading(info: &RunInfo, result: &RunResult) -> String {
+    let [nx, ny, nz] = info.spec.shape();
+    let c = info.spec.cell_size_m();
+    let first = info.frames.first().copied().unwrap_or(0);
+    let last = info.frames.last().copied().unwrap_or(0);
+    format!(
+        "# {}\n\n{} frames ({first} to {last}), {} x {} x {} m in cells of {c} m.\n\n",
+        info.dataset,
+        result.frames,
+        nx as f64 * c,
+        ny as f64 * c,
+        nz as f64 * c
+    )
+}
+
+fn any_scores(result: &RunResult, kind: LayerKind) -> Option<&Scores> {
+    result.methods.iter().find_map(|method| method.scores_of(kind))
+}
+
+/// The sizes of the reference, in one line.
+fn reference(scores: &Scores) -> String {
+    let sizes = scores.list.iter().filter(|score| score.metric.kind == Kind::Reference);
+    let sizes = sizes.filter_map(|score| Some(format!("{} {}", score.shown(), score.heading()?)));
+    sizes.collect::<Vec<_>>().join(", ")
+}
+
+/// One row per method that was scored, with the scores that have a heading.
+fn table(text: &mut String, result: &RunResult, kind: LayerKind) {
+    let Some(scores) = any_scores(result, kind) else { return };
+    let headings: Vec<String> = columns(scores).filter_map(Score::heading).collect();
+    let _ = writeln!(text, "| method | {} |", headings.join(" | "));
+    let _ = writeln!(text, "|{}", " --- |".repeat(headings.len() + 1));
+    for method in &result.methods {
+        if let Some(scores) = method.scores_of(kind) {
+            let cells: Vec<String> = columns(scores).map(Score::shown).collect();
+            let _ = writeln!(text, "| {} | {} |", method.method, cells.join(" | "));
+        }
+    }
+}
+
+/// The scores of a table: all with a heading but the sizes of the reference.
+fn columns(scores: &Scores) -> impl Iterator<Item = &Score> {
+    scores.list.iter().filter(|s| s.metric.kind != Kind::Reference && s.heading().is_some())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_run::{info, result};
+
+    const START: &str =
+        "# yard\n\n2 frames (0 to 2), 1.2000000000000002 x 0.2 x 0.2 m in cells of 0.2 m.\n\n";
+
+    #[test]
+    fn every_kind_of_layer_has_its_table() {
+        let row = "1 | 1 | 1 | 1 | 0.500 | 0.500 | 0.500 | 1.000 | 0.500 |";
+        let expected = format!(
+            "{START}The laser says: 2 occupied cells, 4 observed.\n\n\
+             | method | hits | mistakes | of them observed | missed | precision | recall | F1 | \
+             F within 0.2 m | curve area |\n\
+             | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n\
+             | line | {row}\n| all | {row}\n\n\
+             Frames without a laser scan (mapped, but not in the reference): 2.\n\n\
+             Hits: occupied in the map and for the laser. Mistakes: occupied in the map alone. \
+             Missed: occupied for the laser alone.\n\n\
+             ## Ground plan\n\n\
+             | method | hits | mistakes | missed | precision | recall | F1 | AUC |\n\
+             | --- | --- | --- | --- | --- | --- | --- | --- |\n\
+             | line | 1 | 0 | 1 | 1.000 | 0.500 | 0.667 | 0.750 |\n\
+             | all | 1 | 0 | 1 | 1.000 | 0.500 | 0.667 | 0.750 |\n\n\
+             ## Safety\n\n\
+             | method | unsafe taken for safe | safe taken for unsafe | unclassified | unsafe found |\n\
+             | --- | --- | --- | --- | --- |\n\
+             | all | 0.000 | NaN | 0.000 | 1.000 |\n"
+        );
+        assert_eq!(markdown_summary(&info(), &result()), expected);
+    }
+
+    #[test]
+    fn an_exact_truth_is_no_laser() {
+        let result = RunResult { without_laser: Vec::new(), ..result() };
+        let text = markdown_summary(&RunInfo { truth: "exact", ..info() }, &result);
+        assert!(text.contains("The exact truth: 2 occupied cells, 4 observed.\n"), "{text}");
+        assert!(
+            text.contains("Hits: occupied in the map and in truth.") && !text.contains("laser"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn maps_that_were_not_scored_are_not_in_a_table() {
+        let mut result = result();
+        result.methods.iter_mut().for_each(|method| method.scores.clear());
+        let expected = format!("{START}No laser scan came with these frames: the maps are not scored.\n");
+        assert_eq!(markdown_summary(&info(), &result), expected);
+    }
+}

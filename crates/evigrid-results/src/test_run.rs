@@ -1,0 +1,79 @@
+//! A small run for the tests.
+
+use evigrid_grid::{GridSettings, GridSpec, LayerKind, LogOddsGrid, PlanGrid, SafetyLabel, SafetyMap};
+use evigrid_metrics::{PlanReference, PlanState, Scores, VoxelReference};
+use serde_json::json;
+
+use crate::{MethodInfo, MethodResult, RunInfo, RunResult, SettingsText};
+
+/// Two methods on six voxels: `line` makes voxels alone, `all` makes every kind of layer.
+pub fn info() -> RunInfo {
+    let settings = GridSettings { x_m: [0.0, 1.2], y_m: [0.0, 0.2], z_m: [0.0, 0.2], cell_size_m: 0.2 };
+    let method = |name: &str, layers: &[LayerKind]| MethodInfo { name: name.into(), layers: layers.to_vec() };
+    RunInfo {
+        dataset: "yard".into(),
+        layout: "synthetic".into(),
+        frames: vec![0, 2],
+        stride: 2,
+        methods: vec![method("line", &[LayerKind::Voxels]), method("all", &LayerKind::ALL)],
+        spec: GridSpec::new(&settings).unwrap(),
+        tolerances_m: vec![0.2],
+        truth: "laser",
+        settings: SettingsText {
+            json: json!({ "grid": { "cell_size_m": 0.2 }, "truth": { "source": "laser" } }),
+            toml: "[grid]\n".into(),
+            hash: "00ff".into(),
+        },
+    }
+}
+
+/// A map of one hit, one mistake, and one missed cell.
+pub fn voxels() -> LogOddsGrid {
+    let mut map = LogOddsGrid::unknown(info().spec);
+    map.values_mut()[..3].copy_from_slice(&[1.0, 2.0, -1.0]);
+    map
+}
+
+/// A ground plan of one hit, the rest unknown.
+pub fn plan() -> PlanGrid {
+    let mut plan = PlanGrid::unknown(info().spec.plan());
+    plan.probabilities_mut()[0] = 0.75;
+    plan
+}
+
+/// A safety map of one unsafe cell, the rest unknown.
+pub fn safety() -> SafetyMap {
+    let mut map = SafetyMap::unknown(info().spec.plan());
+    map.set(0, SafetyLabel::NonGround, None);
+    map
+}
+
+/// Occupied voxels of the truth.
+pub const OCCUPIED: [bool; 6] = [true, false, true, false, false, false];
+/// Observed voxels of the truth.
+pub const OBSERVED: [bool; 6] = [true, true, true, true, false, false];
+
+/// Final scores: voxels of both methods, plan of both (that of `line` by projection), safety labels of the
+/// second.
+pub fn result() -> RunResult {
+    let info = info();
+    let truth = VoxelReference { spec: &info.spec, occupied: &OCCUPIED, observed: &OBSERVED };
+    let plan_truth = PlanReference {
+        spec: info.spec.plan(),
+        cells: OCCUPIED.map(|o| if o { PlanState::Occupied } else { PlanState::Free }).to_vec(),
+    };
+    let voxels = Scores::voxels_at_end(voxels().values(), &truth, &info.tolerances_m);
+    let plan = Scores::plan(&plan(), &plan_truth);
+    let safety = Scores::safety(&safety(), &safety());
+    let method = |name: &str, scores: Vec<Scores>| MethodResult { method: name.to_owned(), scores };
+    RunResult {
+        methods: vec![
+            method("line", vec![voxels.clone(), plan.clone()]),
+            method("all", vec![voxels, plan, safety]),
+        ],
+        frames: 2,
+        without_laser: vec![2],
+        wall_ms: 0.0,
+        stage_totals: Vec::new(),
+    }
+}

@@ -1,0 +1,245 @@
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use csv::Writer;
+use evigrid_grid::{Layer, LayerKind};
+use serde_json::Value;
+
+use crate::tables::{TIMING_COLUMNS, curve_rows, frame_rows, frames_header, summary_rows, timing_rows};
+use crate::{
+    FrameRow, PendingFile, ResultsFolder, RunInfo, RunResult, SealedFile, StageTime, TruthFile, files,
+    markdown_summary, run_json, seal, write_layer, write_rows, write_safety, write_text, write_truth,
+};
+
+/// Parts of the results that a run may leave out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Kept {
+    /// Tables of all frames, timing.csv and summary.md.
+    pub frames: bool,
+    /// Maps and truth.
+    pub maps: bool,
+}
+
+/// Writes the results of a run. All files are opened before the first frame and get their names after the
+/// last one.
+#[derive(Debug)]
+pub struct ResultsWriter {
+    info: RunInfo,
+    /// Description of the build and the machine in run.json.
+    build: Value,
+    config: PendingFile,
+    run: PendingFile,
+    /// Final scores of each kind of layer.
+    summaries: Vec<LayerTable>,
+    /// Hits against mistakes of each method that has voxels.
+    curves: Vec<MethodTable>,
+    frames: Option<FrameFiles>,
+    maps: Option<MapFiles>,
+}
+
+/// A table for one kind of layer.
+#[derive(Debug)]
+struct LayerTable {
+    kind: LayerKind,
+    rows: Writer<PendingFile>,
+}
+
+/// A table for one method of the run, by its position.
+#[derive(Debug)]
+struct MethodTable {
+    method: usize,
+    rows: Writer<PendingFile>,
+}
+
+/// Files that follow the frames.
+#[derive(Debug)]
+struct FrameFiles {
+    scores: Vec<LayerTable>,
+    timing: Writer<PendingFile>,
+    summary: PendingFile,
+}
+
+/// Files of maps and truth.
+#[derive(Debug)]
+struct MapFiles {
+    layers: Vec<LayerFile>,
+    truth: PendingFile,
+    safety_truth: PendingFile,
+}
+
+/// The file of one layer of a method.
+#[derive(Debug)]
+struct LayerFile {
+    method: usize,
+    kind: LayerKind,
+    file: PendingFile,
+}
+
+impl ResultsWriter {
+    /// Opens all files of a run. `build` goes into run.json as it is.
+    ///
+    /// # Errors
+    /// If one cannot be created.
+    pub fn create(folder: &ResultsFolder, info: &RunInfo, build: Value, kept: Kept) -> Result<Self> {
+        let summary = |kind| Ok(LayerTable { kind, rows: table(folder, files::summary(kind))? });
+        let curve = |layer: MethodLayer<'_>| {
+            Ok(MethodTable { method: layer.method, rows: table(folder, &files::CURVE.of(layer.name))? })
+        };
+        let voxels = layers(info).filter(|layer| layer.kind == LayerKind::Voxels);
+        Ok(Self {
+            info: info.clone(),
+            build,
+            config: folder.create(files::CONFIG)?,
+            run: folder.create(files::RUN)?,
+            summaries: LayerKind::ALL.into_iter().map(summary).collect::<Result<_>>()?,
+            curves: voxels.map(curve).collect::<Result<_>>()?,
+            frames: kept.frames.then(|| FrameFiles::create(folder, info)).transpose()?,
+            maps: kept.maps.then(|| MapFiles::create(folder, info)).transpose()?,
+        })
+    }
+
+    /// Writes the scores after a frame, if the tables of frames are kept.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn frame(&mut self, row: &FrameRow<'_>) -> Result<()> {
+        let tables = self.frames.iter_mut().flat_map(|frames| &mut frames.scores);
+        for table in tables {
+            write_rows(&mut table.rows, frame_rows(&self.info, table.kind, row))?;
+        }
+        Ok(())
+    }
+
+    /// Writes how long the stages of a frame took, and the peak memory of the process so far where the system
+    /// tells it.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn times(&mut self, times: &[StageTime], peak_memory_mib: Option<f64>) -> Result<()> {
+        match &mut self.frames {
+            Some(frames) => write_rows(&mut frames.timing, timing_rows(&self.info, times, peak_memory_mib)),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the rest of the results. `layers` are the final maps of each method. The files are returned for
+    /// [`ResultsFolder::publish`]; run.json is the last of them.
+    ///
+    /// # Errors
+    /// If a file cannot be written, or a method lacks a layer that it should have.
+    pub fn finish(
+        mut self,
+        result: &RunResult,
+        layers: &[Vec<Layer<'_>>],
+        truth: Option<TruthFile<'_>>,
+    ) -> Result<Vec<SealedFile>> {
+        let mut sealed = Vec::new();
+        if let Some(maps) = self.maps {
+            maps.finish(&self.info, layers, truth, &mut sealed)?;
+        }
+        if let Some(frames) = self.frames {
+            frames.finish(&self.info, result, &mut sealed)?;
+        }
+        for mut table in self.summaries {
+            if table.kind == LayerKind::Voxels || result.has_scores(table.kind) {
+                write_rows(&mut table.rows, summary_rows(&self.info, result, table.kind))?;
+                sealed.push(seal(table.rows)?);
+            }
+        }
+        for mut table in self.curves {
+            let method = result.methods.get(table.method);
+            let scores = method.and_then(|method| method.scores_of(LayerKind::Voxels));
+            write_rows(&mut table.rows, curve_rows(scores.and_then(|scores| scores.curve.as_ref())))?;
+            sealed.push(seal(table.rows)?);
+        }
+        write_text(&mut self.config, &self.info.settings.toml)?;
+        write_text(&mut self.run, &run_json(&self.info, result, &self.build)?)?;
+        sealed.extend([self.config.seal()?, self.run.seal()?]);
+        Ok(sealed)
+    }
+}
+
+impl FrameFiles {
+    fn create(folder: &ResultsFolder, info: &RunInfo) -> Result<Self> {
+        let is_wanted =
+            |kind: &LayerKind| *kind == LayerKind::Voxels || layers(info).any(|layer| layer.kind == *kind);
+        let scores = LayerKind::ALL.into_iter().filter(is_wanted).map(|kind| {
+            let mut rows = table(folder, files::frames(kind))?;
+            write_rows(&mut rows, [frames_header(info, kind)])?;
+            Ok(LayerTable { kind, rows })
+        });
+        let scores = scores.collect::<Result<_>>()?;
+        let mut timing = table(folder, files::TIMING)?;
+        write_rows(&mut timing, [TIMING_COLUMNS.map(str::to_owned).to_vec()])?;
+        Ok(Self { scores, timing, summary: folder.create(files::SUMMARY_PAGE)? })
+    }
+
+    fn finish(mut self, info: &RunInfo, result: &RunResult, sealed: &mut Vec<SealedFile>) -> Result<()> {
+        for table in self.scores {
+            sealed.push(seal(table.rows)?);
+        }
+        sealed.push(seal(self.timing)?);
+        write_text(&mut self.summary, &markdown_summary(info, result))?;
+        sealed.push(self.summary.seal()?);
+        Ok(())
+    }
+}
+
+impl MapFiles {
+    fn create(folder: &ResultsFolder, info: &RunInfo) -> Result<Self> {
+        let layers = layers(info).map(|MethodLayer { method, name, kind }| {
+            Ok(LayerFile { method, kind, file: folder.create(&files::map(kind).of(name))? })
+        });
+        Ok(Self {
+            layers: layers.collect::<Result<_>>()?,
+            truth: folder.create(files::TRUTH)?,
+            safety_truth: folder.create(files::SAFETY_TRUTH)?,
+        })
+    }
+
+    fn finish(
+        self,
+        info: &RunInfo,
+        layers: &[Vec<Layer<'_>>],
+        truth: Option<TruthFile<'_>>,
+        sealed: &mut Vec<SealedFile>,
+    ) -> Result<()> {
+        for LayerFile { method, kind, file } in self.layers {
+            let layer = layers.get(method).and_then(|layers| layers.iter().find(|l| l.kind() == kind));
+            let name = &info.methods[method].name;
+            let layer = layer.with_context(|| format!("{name}: expected {}, found none", kind.name()))?;
+            sealed.push(write_layer(file, layer)?);
+        }
+        if let Some(voxels) = truth.and_then(|truth| truth.voxels) {
+            sealed.push(write_truth(self.truth, &voxels)?);
+        }
+        if let Some(safety) = truth.and_then(|truth| truth.safety) {
+            sealed.push(write_safety(self.safety_truth, safety)?);
+        }
+        Ok(())
+    }
+}
+
+fn table(folder: &ResultsFolder, name: &str) -> Result<Writer<PendingFile>> {
+    folder.create(name).map(Writer::from_writer)
+}
+
+/// A kind of layer that a method of a run makes.
+struct MethodLayer<'a> {
+    /// Position of the method in the run.
+    method: usize,
+    name: &'a str,
+    kind: LayerKind,
+}
+
+/// The layers of all methods of a run.
+fn layers(info: &RunInfo) -> impl Iterator<Item = MethodLayer<'_>> {
+    info.methods.iter().enumerate().flat_map(|(method, info)| {
+        info.layers.iter().map(move |kind| MethodLayer { method, name: &info.name, kind: *kind })
+    })
+}
+
+/// Whether a folder holds the maps of all methods of a run.
+pub fn has_maps(dir: &Path, info: &RunInfo) -> bool {
+    layers(info).all(|layer| dir.join(files::map(layer.kind).of(layer.name)).is_file())
+}
