@@ -14,9 +14,10 @@ fn summary(out: &Path) -> HashMap<String, String> {
     rows.unwrap().unwrap()
 }
 
-/// The box of the tiny world is 1 m x 3 m x 2 m with its lower corner at (6.5, -1, 0); the camera is at
-/// (0, 0.15, 1.25). So in the map it fills x 6.5 to 7.5, y -1.15 to 1.85, z -1.25 to 0.75. On a grid of 0.2 m from
-/// (0, -5, -1.15) that is 6 x 16 x 10 cells. Of those, 4 x 14 x 9 lie wholly inside; the ground is below the grid.
+/// The box of the tiny world is 1 m x 3 m x 2 m with its lower corner at (6.5, -1, 0); the camera is at (0,
+/// 0.15, 1.25). So in the map it fills x 6.5 to 7.5, y -1.15 to 1.85, z -1.25 to 0.75. On a grid of 0.2 m
+/// from (0, -5, -1.15) that is 6 x 16 x 10 cells. Of those, 4 x 14 x 9 lie wholly inside; the ground is below
+/// the grid.
 #[test]
 fn a_run_is_scored_against_the_shapes_of_its_world() {
     let dir = tempfile::tempdir().unwrap();

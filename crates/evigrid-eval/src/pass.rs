@@ -2,16 +2,16 @@
 //! once per setting of the matcher, integrated into every map, and added once to every truth.
 
 use anyhow::{Context, Result};
-use evigrid_core::{Frame, Matching, Mounting, View};
-use evigrid_grid::{Layer, Needs};
+use evigrid_core::{Frame, Matching};
+use evigrid_grid::{Layer, LayerKind, Needs};
 use evigrid_methods::Family;
 use evigrid_metrics::Scores;
 use evigrid_results::{MethodResult, RunResult, StageTime};
-use rayon::prelude::*;
 
-use crate::match_source::MatchSource;
+use crate::lane::Lane;
 use crate::plan::RunJob;
 use crate::prefetch::read_ahead;
+use crate::stage_times::Times;
 use crate::{Clock, Config, Recording, Truth};
 
 /// Whether maps are integrated one after the other, so that their times can be compared, or side by side.
@@ -47,14 +47,25 @@ impl<'a> Entrant<'a> {
         &self.job.config
     }
 
+    /// An empty lane for its input and matcher.
+    fn lane(&self) -> Result<Lane> {
+        Lane::new(self.config(), self.job.mounting)
+    }
+
+    /// Whether two maps can be made from one matching.
     pub fn same_matches(&self, other: &Self) -> bool {
         let (a, b) = (self.config(), other.config());
         a.stereo == b.stereo && a.input == b.input
     }
 
+    /// Whether one truth serves two maps: grid, source, the place of the ground, and the kinds it is asked
+    /// for.
     fn same_truth(&self, other: &Self) -> bool {
         let (a, b) = (self.config(), other.config());
-        a.grid == b.grid && a.truth == b.truth && a.score.plan_band_m == b.score.plan_band_m
+        let same_ground =
+            a.score.plan_band_m == b.score.plan_band_m && self.job.mounting == other.job.mounting;
+        let same_kinds = self.job.shows(LayerKind::Safety) == other.job.shows(LayerKind::Safety);
+        a.grid == b.grid && a.truth == b.truth && same_ground && same_kinds
     }
 
     fn same_kind(&self, other: &Self) -> bool {
@@ -92,22 +103,6 @@ pub(crate) struct Pass<'a> {
     places: Vec<Place>,
     lanes: Vec<Lane>,
     truths: Vec<Truth>,
-    mounting: Option<Mounting>,
-}
-
-/// One setting of the matcher with all maps that are made from its matches.
-struct Lane {
-    source: MatchSource,
-    needs: Needs,
-    families: Vec<LaneFamily>,
-    /// Matches of the current frame.
-    matching: Option<Matching>,
-}
-
-/// A family of maps, and the entrant that its first map belongs to.
-struct LaneFamily {
-    family: Family,
-    first: usize,
 }
 
 /// A frame that has been integrated.
@@ -128,13 +123,7 @@ impl<'a> Pass<'a> {
     pub fn new(recording: &Recording, entrants: Vec<Entrant<'a>>) -> Result<Self> {
         let mut pass = Self::without_maps(recording, entrants)?;
         for (lane, group) in groups(&pass.entrants, Entrant::same_matches).into_iter().enumerate() {
-            let config = pass.entrants[group[0]].config();
-            let mut new = Lane {
-                source: MatchSource::new(config)?,
-                needs: Needs::NOTHING,
-                families: Vec::new(),
-                matching: None,
-            };
+            let mut new = pass.entrants[group[0]].lane()?;
             let members: Vec<Entrant<'a>> = group.iter().map(|&i| pass.entrants[i]).collect();
             for kind in groups(&members, Entrant::same_kind) {
                 let numbers: Vec<usize> = kind.iter().map(|&i| group[i]).collect();
@@ -148,21 +137,20 @@ impl<'a> Pass<'a> {
     /// One entrant whose map has been made already.
     pub fn ended(recording: &Recording, entrant: Entrant<'a>, family: Family) -> Result<Self> {
         let mut pass = Self::without_maps(recording, vec![entrant])?;
-        let families = vec![LaneFamily { family, first: 0 }];
-        let source = MatchSource::new(entrant.config())?;
-        pass.lanes.push(Lane { source, needs: Needs::NOTHING, families, matching: None });
+        let mut lane = entrant.lane()?;
+        lane.add(family, Needs::NOTHING, 0);
+        pass.lanes.push(lane);
         Ok(pass)
     }
 
     fn without_maps(recording: &Recording, entrants: Vec<Entrant<'a>>) -> Result<Self> {
-        let mounting = entrants.first().and_then(|entrant| entrant.job.mounting);
         let mut places = vec![Place::default(); entrants.len()];
         let mut truths = Vec::new();
         for (truth, group) in groups(&entrants, Entrant::same_truth).into_iter().enumerate() {
             truths.push(Truth::new(entrants[group[0]].job, recording)?);
             group.into_iter().for_each(|i| places[i].truth = truth);
         }
-        Ok(Self { entrants, places, lanes: Vec::new(), truths, mounting })
+        Ok(Self { entrants, places, lanes: Vec::new(), truths })
     }
 
     /// Adds the maps of entrants of one method on one grid.
@@ -172,14 +160,13 @@ impl<'a> Pass<'a> {
         let tables: Vec<_> =
             numbers.iter().map(|&i| self.entrants[i].config().methods.table(method.name)).collect();
         let tables: Vec<_> = tables.iter().collect();
-        to.needs = to.needs.and(method.needs);
         for family in method.families(first.job.info.spec, &tables)? {
-            for (member, &at) in family.members.iter().enumerate() {
+            let members = family.members.clone();
+            let family = to.add(family, method.needs, numbers[members[0]]);
+            for (member, at) in members.into_iter().enumerate() {
                 let place = &mut self.places[numbers[at]];
-                (place.lane, place.family, place.member) = (lane, to.families.len(), member);
+                (place.lane, place.family, place.member) = (lane, family, member);
             }
-            let first = numbers[family.members[0]];
-            to.families.push(LaneFamily { family, first });
         }
         Ok(())
     }
@@ -215,8 +202,7 @@ impl<'a> Pass<'a> {
     fn step(&mut self, frame: &Frame, order: Order, times: &mut Times<'_>) -> Result<()> {
         for lane in &mut self.lanes {
             lane.match_pair(frame, times)?;
-            lane.integrate(frame, self.mounting, order, times)
-                .with_context(|| format!("frame {}", frame.index()))?;
+            lane.integrate(frame, order, times).with_context(|| format!("frame {}", frame.index()))?;
         }
         times.stage("truth", None, || self.truths.iter_mut().for_each(|truth| truth.add(frame)));
         Ok(())
@@ -235,7 +221,7 @@ impl<'a> Pass<'a> {
     /// The layers of an entrant's map so far.
     pub fn layers(&self, number: usize) -> Vec<Layer<'_>> {
         let Place { lane, family, member, .. } = self.places[number];
-        self.lanes[lane].families[family].family.mapper.layers(member)
+        self.lanes[lane].family(family).mapper.layers(member)
     }
 
     /// The truth that an entrant is scored against.
@@ -245,7 +231,7 @@ impl<'a> Pass<'a> {
 
     /// The matches of the current frame that an entrant saw; `None` if nobody needed any.
     pub fn matching(&self, number: usize) -> Option<&Matching> {
-        self.lanes[self.places[number].lane].matching.as_ref()
+        self.lanes[self.places[number].lane].matching()
     }
 
     /// Scores of an entrant's map so far.
@@ -269,77 +255,5 @@ impl<'a> Pass<'a> {
             wall_ms: 0.0,
             stage_totals: Vec::new(),
         }
-    }
-}
-
-impl Lane {
-    /// Computes or reads what all maps of the lane share, if any of them needs it.
-    fn match_pair(&mut self, frame: &Frame, times: &mut Times<'_>) -> Result<()> {
-        if self.needs.matches {
-            let (source, needs) = (&mut self.source, self.needs);
-            self.matching = Some(times.stage("match", None, || source.run(frame, needs))?);
-        }
-        Ok(())
-    }
-
-    fn integrate(
-        &mut self,
-        frame: &Frame,
-        mounting: Option<Mounting>,
-        order: Order,
-        times: &mut Times<'_>,
-    ) -> Result<()> {
-        let nothing;
-        let matching = match &self.matching {
-            Some(matching) => matching,
-            None => {
-                nothing = unmatched(frame)?;
-                &nothing
-            }
-        };
-        let view = View::new(frame, mounting, matching);
-        match order {
-            Order::SideBySide => self.families.par_iter_mut().try_for_each(|own| own.integrate(&view)),
-            Order::InTurn => self.families.iter_mut().try_for_each(|own| {
-                let method = Some(own.first);
-                times.stage("integrate", method, || own.integrate(&view))
-            }),
-        }
-    }
-
-    fn recycle(&mut self) {
-        if let Some(matching) = self.matching.take() {
-            self.source.recycle(matching);
-        }
-    }
-}
-
-impl LaneFamily {
-    fn integrate(&mut self, view: &View<'_>) -> Result<()> {
-        Ok(self.family.mapper.integrate(view)?)
-    }
-}
-
-/// Matches for methods that look at none: no pixel has a disparity.
-fn unmatched(frame: &Frame) -> Result<Matching> {
-    let (width, height) = (frame.rig().width, frame.rig().height);
-    let nothing = evigrid_core::Disparity::new(width, height, vec![f32::NAN; width * height])?;
-    Ok(Matching::from_disparity(nothing))
-}
-
-/// Takes the times of the stages of one frame.
-struct Times<'a> {
-    clock: &'a dyn Clock,
-    frame: usize,
-    list: Vec<StageTime>,
-}
-
-impl Times<'_> {
-    fn stage<T>(&mut self, stage: &'static str, method: Option<usize>, run: impl FnOnce() -> T) -> T {
-        let start = self.clock.now_ms();
-        let result = run();
-        let ms = self.clock.now_ms() - start;
-        self.list.push(StageTime { frame: self.frame, method, stage, ms });
-        result
     }
 }

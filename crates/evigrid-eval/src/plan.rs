@@ -1,6 +1,6 @@
 use anyhow::{Result, bail};
 use evigrid_core::{Mounting, Pose, stable_hash};
-use evigrid_grid::GridSpec;
+use evigrid_grid::{GridSpec, LayerKind};
 use evigrid_methods::{Entry, MethodSettings};
 use evigrid_results::{MethodInfo, RunInfo, SettingsText};
 use evigrid_truth::TruthSource;
@@ -79,6 +79,11 @@ impl RunJob {
             frames,
         };
         Ok(Self { config, methods, info, map_from_world, mounting })
+    }
+
+    /// Whether any of its methods makes such a map.
+    pub(crate) fn shows(&self, kind: LayerKind) -> bool {
+        self.methods.iter().any(|method| method.layers.contains(&kind))
     }
 }
 

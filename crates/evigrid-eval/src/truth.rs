@@ -153,8 +153,8 @@ fn plan_levels(spec: &GridSpec, config: &Config, mounting: Mounting) -> Range<us
 
 /// The exact safety labels of a world, if a method shows such labels and the world tells of a robot.
 fn exact_safety(job: &RunJob, recording: &Recording) -> Result<Option<SafetyMap>> {
-    let is_wanted = job.methods.iter().any(|method| method.layers.contains(&LayerKind::Safety));
-    let (true, TruthSource::Exact, Some(world)) = (is_wanted, job.config.truth.source, recording.world())
+    let (true, TruthSource::Exact, Some(world)) =
+        (job.shows(LayerKind::Safety), job.config.truth.source, recording.world())
     else {
         return Ok(None);
     };

@@ -1,5 +1,5 @@
-//! Maps of every kind go through the whole harness: truth, scores, tables, files, sweeps. Methods from outside
-//! are refused where a run cannot give what they need.
+//! Maps of every kind go through the whole harness: truth, scores, tables, files, sweeps. Methods from
+//! outside are refused where a run cannot give what they need.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::collections::HashMap;
@@ -188,6 +188,29 @@ fn a_sweep_ranks_plans_by_their_own_metric() {
     assert!(page.contains("Highest F1: toy on safety-1, toy.occupied_to_m = 12"), "{page}");
     assert!(page.contains("Highest unsafe found"), "{page}");
     assert_eq!(rows(&out.join("curves.safety-1.csv"))[1]["plan_hits"], points[1]["plan_hits"]);
+}
+
+/// Points of one pass that differ in what they are told of the ground are scored each with its own ground.
+#[test]
+fn points_with_another_mounting_have_another_ground_plan() {
+    let dir = tempfile::tempdir().unwrap();
+    let base = config("synth:safety-1", "toy", TruthSource::Laser);
+    let key = "input.mounting=[[0.9, 0.0], [1.9, 0.0]]".to_owned();
+    let sweep = Sweep::new(SweepPlan::around(base.clone(), &[key]).unwrap()).unwrap();
+    let (out, build) = (dir.path().join("out"), serde_json::json!({"version": "1", "commit": "x"}));
+    run_sweep(&sweep, &out, &build, &RealClock::default(), &mut |_| ()).unwrap();
+    let found = rows(&out.join("points.csv"));
+    for (row, height_m) in found.iter().zip([0.9, 1.9]) {
+        let mut alone = base.clone();
+        alone.input.mounting = vec![height_m, 0.0];
+        let single = dir.path().join(height_m.to_string());
+        run(alone, &single);
+        let expected = &rows(&single.join("summary.plan.csv"))[0];
+        for column in ["plan_hits", "plan_mistakes", "plan_missed"] {
+            assert_eq!(row[column], expected[column], "{column} at {height_m} m");
+        }
+    }
+    assert_ne!(found[0]["plan_missed"], found[1]["plan_missed"]);
 }
 
 /// The one line that says why a run is refused.

@@ -43,8 +43,8 @@ pub fn free_space_likelihood(costs: &[f64], mean: f64, variance: f64) -> Vec<f64
     normalised(costs.iter().map(|&c| if c.is_finite() { ln(c) } else { f64::NEG_INFINITY }).collect())
 }
 
-/// Probabilities p_i by Bayes (Brandao et al., eq. 6) from p(E | O_i V_i) and p(E | F_i V_i), with priors 0.5;
-/// 0 where both are 0.
+/// Probabilities p_i by Bayes (Brandao et al., eq. 6) from p(E | O_i V_i) and p(E | F_i V_i), with priors
+/// 0.5; 0 where both are 0.
 pub fn with_free_space(occupied: &[f64], free: &[f64]) -> Vec<f64> {
     let bayes = |(&o, &f): (&f64, &f64)| if o > 0.0 { o / (o + f) } else { 0.0 };
     occupied.iter().zip(free).map(bayes).collect()
