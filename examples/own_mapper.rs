@@ -55,6 +55,5 @@ fn main() -> anyhow::Result<()> {
     let (folder, _) = ResultsFolder::open("out/own-mapper".as_ref())?;
     let mut tables = TableWriter::create(&folder, &plan.job.info, serde_json::Value::Null)?;
     let mut recorder = evigrid_record::Recorder::create(folder.dir().join("recording.rrd"))?;
-    evaluate(&plan, &RealClock::default(), &folder, &mut [&mut tables, &mut recorder])?;
-    Ok(())
+    evaluate(&plan, &RealClock::default(), &folder, &mut [&mut tables, &mut recorder]).map(drop)
 }
