@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 fine, 1 a check found problems or a comparison found something worse, 2 bad usage or bad
 //! input. Results go to files and standard output, everything else to standard error.
+#![warn(clippy::print_stderr)]
 
 mod args;
 mod build_info;
@@ -45,8 +46,5 @@ fn main() -> ExitCode {
         Command::Methods => methods::methods().map(|()| ExitCode::SUCCESS),
         Command::Metrics => metrics::metrics().map(|()| ExitCode::SUCCESS),
     };
-    result.unwrap_or_else(|error| {
-        eprintln!("error: {}", output::one_line(&error));
-        ExitCode::from(2)
-    })
+    result.unwrap_or_else(|error| output::report(&error))
 }

@@ -1,35 +1,72 @@
-//! Standard output and error lines.
+//! Standard output and standard error. Nothing here panics, whatever has become of the two.
 
 use std::io::{self, Write};
-
 use std::process::ExitCode;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::error::ErrorKind;
 
-/// Prints to standard output. A reader that has gone away is no error.
+/// Prints to standard output what a command is called for. A reader that has gone away is no error.
+///
+/// # Errors
+/// If the text cannot be written, for want of space for example.
 pub fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        result => Ok(result?),
+    written(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+}
+
+/// Prints to standard output what also stands in files. The files are whole by then: if the text cannot be
+/// written, that is a warning and the command goes on.
+pub fn tell(text: &str) {
+    if let Err(error) = print(text) {
+        log::warn!("{}", one_line(&error));
     }
+}
+
+/// Writes a line to standard error.
+pub fn note(line: &str) {
+    // One write, so that lines of several programs do not mix. Where standard error itself is full or gone
+    // there is nobody left to tell, and no work is to be lost for it.
+    let _ = io::stderr().lock().write_all(format!("{line}\n").as_bytes());
+}
+
+/// Writes an error to standard error, in one line; the exit code.
+pub fn report(error: &anyhow::Error) -> ExitCode {
+    note(&format!("error: {}", one_line(error)));
+    ExitCode::from(2)
 }
 
 /// Prints clap's message: help and version as they are, an error in one line with clap's tip if it has one.
 pub fn usage_error(error: &clap::Error) -> ExitCode {
-    let asked_for = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
-    if asked_for || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        // A reader that has gone away is no error.
-        let _ = error.print();
-        return if asked_for { ExitCode::SUCCESS } else { ExitCode::from(2) };
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            written(error.print()).map_or_else(|error| report(&error), |()| ExitCode::SUCCESS)
+        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            // Goes to standard error, as a note does.
+            let _ = error.print();
+            ExitCode::from(2)
+        }
+        _ => {
+            note(&usage_line(&error.to_string()));
+            ExitCode::from(2)
+        }
     }
-    let text = error.to_string();
-    // The message, its list of missing arguments and the tip; not the usage and the hint at --help.
+}
+
+/// The outcome of writing to standard output.
+fn written(result: io::Result<()>) -> Result<()> {
+    match result {
+        Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        result => result.context("cannot write to standard output"),
+    }
+}
+
+/// Clap's message, its list of missing arguments and the tip, in one line; not the usage.
+fn usage_line(text: &str) -> String {
     let lines = text.lines().map(str::trim).take_while(|line| !ends_message(line));
     let parts: Vec<_> = lines.filter(|line| !line.is_empty()).collect();
-    eprintln!("{} (see --help)", parts.join("; "));
-    ExitCode::from(2)
+    format!("{} (see --help)", parts.join("; "))
 }
 
 /// Whether a line of clap's is the first after its message and tip.

@@ -8,6 +8,8 @@ use evigrid_results::{RunInfo, RunResult, SealedFile};
 use evigrid_synth::WriteStep;
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::output::note;
+
 /// Shows how far a run is: a bar on a terminal, a line every tenth of the run otherwise. Both on standard
 /// error.
 #[derive(Debug, Default)]
@@ -43,7 +45,7 @@ impl Observer for Progress {
                 bar.set_position(done as u64);
             }
             None if done * 10 / self.total > (done - 1) * 10 / self.total => {
-                eprintln!("frame {done}/{}: {scores}", self.total);
+                note(&format!("frame {done}/{}: {scores}", self.total));
             }
             None => {}
         }
@@ -80,7 +82,7 @@ impl WriteProgress {
     fn begin(&mut self) {
         let bar = ProgressBar::new_spinner();
         if bar.is_hidden() {
-            eprintln!("exact truth");
+            note("exact truth");
             return;
         }
         bar.set_message("exact truth");
@@ -98,7 +100,7 @@ impl WriteProgress {
                 }
                 bar.set_position(done as u64);
             }
-            None if tenths > self.shown_tenths => eprintln!("frame {done}/{total}"),
+            None if tenths > self.shown_tenths => note(&format!("frame {done}/{total}")),
             None => {}
         }
         self.shown_tenths = tenths;
@@ -132,7 +134,7 @@ impl SweepProgress {
                 );
             }
             SweepStep::Kept { kept: 0, .. } => {}
-            SweepStep::Kept { kept, total } => eprintln!("{kept} of {total} points are there already"),
+            SweepStep::Kept { kept, total } => note(&format!("{kept} of {total} points are there already")),
             SweepStep::Pass { dataset, points, frames } => self.begin(dataset, points, frames),
             SweepStep::Frame(done) => self.frame(done),
         }
@@ -141,7 +143,7 @@ impl SweepProgress {
     fn begin(&mut self, dataset: &str, points: usize, frames: usize) {
         self.frames = frames;
         self.clear();
-        eprintln!("{dataset}: {points} points, {frames} frames");
+        note(&format!("{dataset}: {points} points, {frames} frames"));
         let bar = ProgressBar::new(frames as u64);
         if let (false, Ok(style)) =
             (bar.is_hidden(), ProgressStyle::with_template("{bar:30} frame {pos}/{len}, {per_sec}"))
@@ -155,7 +157,7 @@ impl SweepProgress {
         match &self.bar {
             Some(bar) => bar.set_position(done as u64),
             None if done * 10 / self.frames > (done - 1) * 10 / self.frames => {
-                eprintln!("frame {done}/{}", self.frames);
+                note(&format!("frame {done}/{}", self.frames));
             }
             None => {}
         }

@@ -3,7 +3,7 @@ use evigrid_eval::{RealClock, data_root};
 use evigrid_reproduce::{Folders, Tools, reproduce};
 
 use crate::args::ReproduceArgs;
-use crate::output::print;
+use crate::output::{note, tell};
 use crate::recorder::open_recorder;
 
 /// `evigrid reproduce`.
@@ -16,10 +16,10 @@ pub fn reproduce_all(args: &ReproduceArgs) -> Result<()> {
     };
     let clock = RealClock::default();
     for name in &names {
-        let mut report = |step: &str| eprintln!("{name}: {step}");
+        let mut report = |step: &str| note(&format!("{name}: {step}"));
         let mut tools = Tools { report: &mut report, clock: &clock, recorder: &open_recorder };
         for file in reproduce(name, &folders, &mut tools)? {
-            print(&format!("{}\n", file.display()))?;
+            tell(&format!("{}\n", file.display()));
         }
     }
     Ok(())

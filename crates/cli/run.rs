@@ -1,3 +1,4 @@
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Result;
@@ -6,7 +7,7 @@ use evigrid_results::{RECORDING, ResultsFolder, RunResult, markdown_summary};
 
 use crate::args::RunArgs;
 use crate::build_info::build_info;
-use crate::output::print;
+use crate::output::tell;
 use crate::progress::Progress;
 use crate::recorder::open_recorder;
 
@@ -32,11 +33,12 @@ pub fn run(args: &RunArgs) -> Result<()> {
     observers.push(&mut tables);
     let result = evaluate(&plan, &RealClock::default(), &folder, &mut observers)?;
 
-    print(&format!("{}\n{}\n", markdown_summary(info, &result), speed(&result)))?;
-    print(&format!("Results: {}\n", out.display()))?;
+    let mut text = format!("{}\n{}\n", markdown_summary(info, &result), speed(&result));
+    let _ = writeln!(text, "Results: {}", out.display());
     if recorder.is_some() {
-        print(&format!("Recording: rerun {}\n", out.join(RECORDING).display()))?;
+        let _ = writeln!(text, "Recording: rerun {}", out.join(RECORDING).display());
     }
+    tell(&text);
     Ok(())
 }
 

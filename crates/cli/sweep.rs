@@ -1,11 +1,11 @@
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use evigrid_eval::{RealClock, Sweep, SweepPlan, run_sweep};
 
 use crate::args::{RunArgs, SweepArgs};
 use crate::build_info::build_info;
-use crate::output::print;
+use crate::output::tell;
 use crate::progress::SweepProgress;
 
 /// `evigrid sweep`.
@@ -25,6 +25,8 @@ fn run_plan(plan: SweepPlan, out: Option<PathBuf>) -> Result<()> {
     let mut progress = SweepProgress::default();
     run_sweep(&sweep, &out, &build_info(), &RealClock::default(), &mut |step| progress.show(step, &out))?;
     drop(progress);
-    print(&std::fs::read_to_string(out.join("sweep.md"))?)?;
-    print(&format!("\nResults: {}\n", out.display()))
+    let page = out.join("sweep.md");
+    let text = std::fs::read_to_string(&page).with_context(|| format!("cannot read {}", page.display()))?;
+    tell(&format!("{text}\nResults: {}\n", out.display()));
+    Ok(())
 }

@@ -3,7 +3,7 @@ use evigrid_eval::FrameRange;
 use evigrid_synth::{World, write_data_set};
 
 use crate::args::SynthArgs;
-use crate::output::print;
+use crate::output::tell;
 use crate::progress::WriteProgress;
 
 /// `evigrid synth`.
@@ -16,5 +16,6 @@ pub fn synth(args: &SynthArgs) -> Result<()> {
     write_data_set(&world, frames, &args.out, &mut |step| progress.show(step, &args.out))?;
     drop(progress);
     let out = args.out.display();
-    print(&format!("Data set: {out} (evigrid check {out}; evigrid run --dataset {out})\n"))
+    tell(&format!("Data set: {out} (evigrid check {out}; evigrid run --dataset {out})\n"));
+    Ok(())
 }

@@ -197,8 +197,13 @@ pub fn real_data() -> Option<PathBuf> {
     let root = std::env::var_os("EVIGRID_DATA").map_or(beside, PathBuf::from);
     let found = root.join("kitti_raw").is_dir();
     if !found {
-        // Not `println`, which a passing test swallows.
-        let _ = writeln!(std::io::stderr(), "skipped: no real data at {} (set EVIGRID_DATA)", root.display());
+        skipped(&format!("no real data at {} (set EVIGRID_DATA)", root.display()));
     }
     found.then_some(root)
+}
+
+/// Says why a test did nothing.
+pub fn skipped(why: &str) {
+    // Not `println`, which a passing test swallows.
+    let _ = writeln!(std::io::stderr(), "skipped: {why}");
 }
