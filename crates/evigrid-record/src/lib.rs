@@ -19,6 +19,7 @@ mod plan;
 mod recorder;
 mod rrd;
 mod safety;
+mod safety_verdict;
 mod series;
 mod summary;
 mod ticks;

@@ -43,8 +43,13 @@ impl Part for PlanPart {
         Ok(())
     }
 
-    fn panes(&self, _: &Shown) -> Vec<(Slot, Pane)> {
-        let title = format!("{}: ground plan, forward is to the right", self.method);
+    fn panes(&self, shown: &Shown) -> Vec<(Slot, Pane)> {
+        let colours = if shown.scored {
+            "green = right, red = wrong, orange = the truth is unknown there, violet = missed"
+        } else {
+            "light = occupied, forward is to the right"
+        };
+        let title = format!("{}: ground plan, {colours}", self.method);
         vec![(Slot::Space, Pane::new("2D", title, &self.path()).with("Background", dark()))]
     }
 }
@@ -87,5 +92,23 @@ mod tests {
         assert_eq!(classes(&plan, Some(&truth)), expected);
         let alone = [CellClass::Occupied, CellClass::Free].map(|c| c as u8);
         assert_eq!(classes(&plan, None), alone);
+    }
+
+    /// The vehicle stands at (10, 20) and looks to the left of the map: its forward is the map's left, its left
+    /// the map's rear.
+    #[test]
+    fn a_turned_plan_is_judged_cell_by_cell() {
+        let area = PlanSpec::of_area([1.0, 4.0], [-1.0, 1.0], 1.0).unwrap();
+        let turn = nalgebra::Isometry2::new([10.0, 20.0].into(), std::f64::consts::FRAC_PI_2);
+        let mut plan = PlanGrid::moving(area, turn);
+        // Occupied: rear right (map 10.5, 21.5) and front left (map 9.5, 23.5). Never seen: front right.
+        plan.probabilities_mut().copy_from_slice(&[0.9, 0.1, 0.1, 0.1, f32::NAN, 0.8]);
+        let spec = PlanSpec::of_area([8.0, 12.0], [19.0, 24.0], 1.0).unwrap();
+        let mut cells = vec![PlanState::Free; spec.cell_count()];
+        cells[spec.cell_of([10.5, 21.5]).unwrap()] = PlanState::Occupied;
+        cells[spec.cell_of([9.5, 22.5]).unwrap()] = PlanState::Occupied;
+        let numbers = classes(&plan, Some(&PlanReference { spec, cells }));
+        use CellClass::{Free, Hit, Missed, Mistake, Unknown};
+        assert_eq!(numbers, [Hit, Free, Free, Missed, Unknown, Mistake].map(|c| c as u8));
     }
 }
