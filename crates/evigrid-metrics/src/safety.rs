@@ -1,5 +1,7 @@
 use evigrid_grid::{SafetyLabel, SafetyMap};
 
+use crate::ratio;
+
 /// A safety map with the true one, and the counts that its metrics are made of.
 #[derive(Debug, Clone, Copy)]
 pub struct SafetyCase<'a> {
@@ -69,5 +71,25 @@ impl SafetyCounts {
     /// Number of cells that the map does not classify.
     pub fn unclassified(&self) -> usize {
         self.unclassified_safe + self.unclassified_unsafe
+    }
+
+    /// Share of the unsafe cells that the map classifies which it takes for safe; NaN if it classifies none.
+    pub fn false_negative_rate(&self) -> f64 {
+        ratio(self.false_negatives, self.false_negatives + self.true_positives)
+    }
+
+    /// Share of the safe cells that the map classifies which it takes for unsafe; NaN if it classifies none.
+    pub fn false_positive_rate(&self) -> f64 {
+        ratio(self.false_positives, self.false_positives + self.true_negatives)
+    }
+
+    /// Share of the true map's classified cells that the map does not classify; NaN if there are none.
+    pub fn unclassified_rate(&self) -> f64 {
+        ratio(self.unclassified(), self.truly_safe() + self.truly_unsafe())
+    }
+
+    /// Share of the true map's unsafe cells that are unsafe in the map too; NaN if there are none.
+    pub fn unsafe_found(&self) -> f64 {
+        ratio(self.true_positives, self.truly_unsafe())
     }
 }

@@ -99,21 +99,24 @@ impl Scores {
     /// it may move; only cells that the reference knows are scored.
     pub fn plan(plan: &PlanGrid, reference: &PlanReference) -> Self {
         let case = PlanCase::new(plan, reference);
-        let list = scores(None, |of| match of {
+        Self::of_case(LayerKind::Plan, |of| match of {
             Of::Plan(f) => Some(f(&case)),
             _ => None,
-        });
-        Self { kind: LayerKind::Plan, list, curve: None }
+        })
     }
 
     /// Scores a safety map against the true one, over the cells that the true one classifies.
     pub fn safety(found: &SafetyMap, truth: &SafetyMap) -> Self {
         let case = SafetyCase::new(found, truth);
-        let list = scores(None, |of| match of {
+        Self::of_case(LayerKind::Safety, |of| match of {
             Of::Safety(f) => Some(f(&case)),
             _ => None,
-        });
-        Self { kind: LayerKind::Safety, list, curve: None }
+        })
+    }
+
+    /// The scores of the metrics that have a value.
+    fn of_case(kind: LayerKind, value: impl Fn(&Of) -> Option<f64>) -> Self {
+        Self { kind, list: scores(None, value), curve: None }
     }
 
     /// The score in a column.

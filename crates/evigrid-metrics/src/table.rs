@@ -1,5 +1,4 @@
 use crate::metric::{Better, Kind, Metric, Of, Show, Tolerance};
-use crate::ratio;
 
 /// A rate that is better when it is higher. Runs repeat to the last digit, so the tolerance is not for noise:
 /// 0.002 is what is too little to care about.
@@ -14,6 +13,9 @@ const RATE: Metric = Metric {
     show: Show::No,
     of: Of::Run,
 };
+
+/// A rate that is better when it is lower.
+const ERROR_RATE: Metric = Metric { better: Better::Lower, ..RATE };
 
 /// A count that says again what the rates say, so it is not judged.
 const COUNT: Metric = Metric {
@@ -33,16 +35,10 @@ const REFERENCE: Metric = Metric {
     ..COUNT
 };
 
-/// Time of one stage of a frame; a clock is off by half a millisecond on its own.
-const TIME: Metric = Metric {
-    kind: Kind::Cost,
-    unit: "ms",
-    better: Better::Lower,
-    tolerance: Tolerance { amount: 0.5, share: 0.2 },
-    judged: false,
-    of: Of::Run,
-    ..RATE
-};
+/// Time of one stage of a frame: not judged and better when it is lower, as a count. A clock is off by half a
+/// millisecond on its own.
+const TIME: Metric =
+    Metric { kind: Kind::Cost, unit: "ms", tolerance: Tolerance { amount: 0.5, share: 0.2 }, ..COUNT };
 
 /// Every metric of the program, in the order of the columns. A row here is all that a metric takes.
 pub const METRICS: &[Metric] = &[
@@ -223,38 +219,31 @@ pub const METRICS: &[Metric] = &[
     },
     Metric {
         name: "safety_fn_rate",
-        better: Better::Lower,
         formula: "FN / (FN + TP): of the unsafe cells that the map classifies, those taken for safe",
         show: Show::Sweep("unsafe taken for safe"),
-        of: Of::Safety(|c| {
-            ratio(c.counts.false_negatives, c.counts.false_negatives + c.counts.true_positives)
-        }),
-        ..RATE
+        of: Of::Safety(|c| c.counts.false_negative_rate()),
+        ..ERROR_RATE
     },
     Metric {
         name: "safety_fp_rate",
-        better: Better::Lower,
         formula: "FP / (FP + TN): of the safe cells that the map classifies, those taken for unsafe",
         show: Show::Sweep("safe taken for unsafe"),
-        of: Of::Safety(|c| {
-            ratio(c.counts.false_positives, c.counts.false_positives + c.counts.true_negatives)
-        }),
-        ..RATE
+        of: Of::Safety(|c| c.counts.false_positive_rate()),
+        ..ERROR_RATE
     },
     Metric {
         name: "safety_unclassified",
-        better: Better::Lower,
         formula: "share of the cells that the truth classifies and the map does not",
         show: Show::Sweep("unclassified"),
-        of: Of::Safety(|c| ratio(c.counts.unclassified(), c.counts.truly_safe() + c.counts.truly_unsafe())),
-        ..RATE
+        of: Of::Safety(|c| c.counts.unclassified_rate()),
+        ..ERROR_RATE
     },
     // The main one: both rates above are perfect for a map that classifies next to nothing, this one is not.
     Metric {
         name: "safety_unsafe_found",
         formula: "TP / all unsafe cells of the truth",
         show: Show::Main("unsafe found"),
-        of: Of::Safety(|c| ratio(c.counts.true_positives, c.counts.truly_unsafe())),
+        of: Of::Safety(|c| c.counts.unsafe_found()),
         ..RATE
     },
     Metric { name: "read_ms", formula: "decoding a frame", ..TIME },
