@@ -52,90 +52,86 @@ impl Comparison {
 pub fn compare(base: &Path, new: &Path, options: &CompareOptions, defaults: &Value) -> Result<Comparison> {
     let (base, new) = (RunFolder::read(base)?, RunFolder::read(new)?);
     check_conditions(&base, &new, defaults)?;
-    let (mut rows, mut notes) = (Vec::new(), notes(&base, &new, defaults));
-    compare_scores(&base, &new, options, &mut rows, &mut notes)?;
-    compare_costs(&base, &new, options, &mut rows, &mut notes)?;
-    options.check_names(&rows.iter().map(|r| r.metric.as_str()).collect::<Vec<_>>())?;
-    rows.sort_by(|a, b| a.verdict.cmp(&b.verdict).then(b.excess.total_cmp(&a.excess)));
+    let mut findings = Findings { options, rows: Vec::new(), notes: notes(&base, &new, defaults) };
+    findings.compare_scores(&base, &new)?;
+    findings.compare_costs(&base, &new)?;
+    options.check_names(&findings.rows.iter().map(|r| r.metric.as_str()).collect::<Vec<_>>())?;
+    findings.rows.sort_by(|a, b| a.verdict.cmp(&b.verdict).then(b.excess.total_cmp(&a.excess)));
     let lacks = |folder: &RunFolder, name: &&String| !folder.run.methods.contains(name);
     let missing_methods = base.run.methods.iter().filter(|m| lacks(&new, m)).cloned().collect();
     for method in new.run.methods.iter().filter(|m| lacks(&base, m)) {
-        notes.push(format!("method {method} is new; there is nothing to compare it with"));
+        findings.note_new("method", method);
     }
-    Ok(Comparison { missing_methods, rows, notes })
+    Ok(Comparison { missing_methods, rows: findings.rows, notes: findings.notes })
 }
 
-fn compare_scores(
-    base: &RunFolder,
-    new: &RunFolder,
-    options: &CompareOptions,
-    rows: &mut Vec<Row>,
-    notes: &mut Vec<String>,
-) -> Result<()> {
-    for before in &base.tables {
-        let Some(after) = new.table(before.kind) else {
-            bail!("expected {} as in BASE, found none: {}", files::summary(before.kind), new.dir.display());
-        };
-        compare_tables(before, after, options, rows, notes)?;
-    }
-    for table in new.tables.iter().filter(|t| base.table(t.kind).is_none()) {
-        let name = files::summary(table.kind);
-        notes.push(format!("table {name} is new; there is nothing to compare it with"));
-    }
-    Ok(())
+/// What is found while two runs are compared.
+struct Findings<'a> {
+    options: &'a CompareOptions,
+    rows: Vec<Row>,
+    notes: Vec<String>,
 }
 
-fn compare_tables(
-    base: &SummaryTable,
-    new: &SummaryTable,
-    options: &CompareOptions,
-    rows: &mut Vec<Row>,
-    notes: &mut Vec<String>,
-) -> Result<()> {
-    for column in base.score_columns() {
-        new.require_column(column)?;
-        let Some(metric) = metric_of(column) else {
-            notes.push(format!("column {column} is unknown to this version and not compared"));
-            continue;
-        };
-        if metric.kind == Kind::Reference {
-            continue;
+impl Findings<'_> {
+    fn compare_scores(&mut self, base: &RunFolder, new: &RunFolder) -> Result<()> {
+        for before in &base.tables {
+            let Some(after) = new.table(before.kind) else {
+                let name = files::summary(before.kind);
+                bail!("expected {name} as in BASE, found none: {}", new.dir.display());
+            };
+            self.compare_tables(before, after)?;
         }
-        let metric = options.apply(column, metric);
-        for before in &base.methods {
-            let Some(after) = new.method(&before.method) else { continue };
-            if before.has_scores() || after.has_scores() {
-                let (base, new) = (before.values[column], after.values[column]);
-                rows.push(judge(&metric, &before.method, column, base, new));
+        for table in new.tables.iter().filter(|t| base.table(t.kind).is_none()) {
+            self.note_new("table", files::summary(table.kind));
+        }
+        Ok(())
+    }
+
+    fn compare_tables(&mut self, base: &SummaryTable, new: &SummaryTable) -> Result<()> {
+        for column in base.score_columns() {
+            new.require_column(column)?;
+            let Some(metric) = metric_of(column) else {
+                self.notes.push(format!("column {column} is unknown to this version and not compared"));
+                continue;
+            };
+            if metric.kind == Kind::Reference {
+                continue;
+            }
+            let metric = self.options.apply(column, metric);
+            for before in &base.methods {
+                let Some(after) = new.method(&before.method) else { continue };
+                if before.has_scores() || after.has_scores() {
+                    let (base, new) = (before.values[column], after.values[column]);
+                    self.rows.push(judge(&metric, &before.method, column, base, new));
+                }
             }
         }
-    }
-    for column in new.score_columns().filter(|c| !base.has_column(c)) {
-        notes.push(format!("column {column} is new; there is nothing to compare it with"));
-    }
-    Ok(())
-}
-
-fn compare_costs(
-    base: &RunFolder,
-    new: &RunFolder,
-    options: &CompareOptions,
-    rows: &mut Vec<Row>,
-    notes: &mut Vec<String>,
-) -> Result<()> {
-    let (before, after) = (Costs::read(&base.dir)?, Costs::read(&new.dir)?);
-    let (Some(before), Some(after)) = (&before, &after) else {
-        let lacking = if before.is_none() { base } else { new };
-        if options.judges_costs() {
-            bail!("expected timing.csv in both runs, found none: {}", lacking.dir.display());
+        for column in new.score_columns().filter(|c| !base.has_column(c)) {
+            self.note_new("column", column);
         }
-        notes.push(format!("no time and memory: {} has no timing.csv", lacking.dir.display()));
-        return Ok(());
-    };
-    for (method, name, value) in &before.0 {
-        let (Some(metric), Some(after)) = (metric_of(name), after.get(method, name)) else { continue };
-        let metric = options.apply(name, metric);
-        rows.push(judge(&metric, method, name, Some(*value), Some(after)));
+        Ok(())
     }
-    Ok(())
+
+    fn compare_costs(&mut self, base: &RunFolder, new: &RunFolder) -> Result<()> {
+        let (before, after) = (Costs::read(&base.dir)?, Costs::read(&new.dir)?);
+        let (Some(before), Some(after)) = (&before, &after) else {
+            let lacking = if before.is_none() { base } else { new };
+            if self.options.judges_costs() {
+                bail!("expected timing.csv in both runs, found none: {}", lacking.dir.display());
+            }
+            self.notes.push(format!("no time and memory: {} has no timing.csv", lacking.dir.display()));
+            return Ok(());
+        };
+        for (method, name, value) in &before.0 {
+            let (Some(metric), Some(after)) = (metric_of(name), after.get(method, name)) else { continue };
+            let metric = self.options.apply(name, metric);
+            self.rows.push(judge(&metric, method, name, Some(*value), Some(after)));
+        }
+        Ok(())
+    }
+
+    /// Notes a thing that the baseline lacks.
+    fn note_new(&mut self, what: &str, name: &str) {
+        self.notes.push(format!("{what} {name} is new; there is nothing to compare it with"));
+    }
 }
