@@ -15,6 +15,11 @@ pub struct CostScale {
 }
 
 impl CostScale {
+    /// Grey levels summed over a square window `edge_px` pixels wide and stored divided by 2^`shift`.
+    pub fn of_square(edge_px: usize, shift: u32) -> Self {
+        Self { window_pixels: (edge_px * edge_px) as f64, grey_levels: f64::from(1_u32 << shift) }
+    }
+
     /// Edge of the square window, whole pixels, at least 1.
     pub fn window_edge_px(&self) -> usize {
         (self.window_pixels.sqrt().round() as usize).max(1)

@@ -31,7 +31,7 @@ pub use hint::name_hint;
 pub use image::GrayImage;
 pub use match_filter::{MatchFilter, MatchLimits, NO_MATCH};
 pub use matching::{Matching, RoadSplit};
-pub use mounting::Mounting;
+pub use mounting::{Mounting, level_camera};
 pub use rig::StereoRig;
 pub use setting::{SettingError, require_setting};
 pub use view::View;

@@ -1,7 +1,14 @@
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::error::require;
 use crate::{CoreError, Pose};
+
+/// Turn of a level camera that looks along x: camera axes (x right, y down, z forward) in a frame whose x is
+/// forward, y left, z up.
+pub fn level_camera() -> UnitQuaternion<f64> {
+    let columns = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns))
+}
 
 /// How the left camera stands over level ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,15 +48,13 @@ impl Mounting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion};
+    use nalgebra::Translation3;
 
     #[test]
     fn a_camera_that_looks_down_has_a_positive_pitch() {
-        let columns = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
-        let level = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns));
         // A turn about the body's y axis (left) moves x towards -z.
         let down = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 0.1);
-        let pose = Pose::from_parts(Translation3::new(0.3, 0.0, 1.2), down * level);
+        let pose = Pose::from_parts(Translation3::new(0.3, 0.0, 1.2), down * level_camera());
         let mounting = Mounting::of(&pose);
         assert!((mounting.pitch_rad - 0.1).abs() < 1e-12 && mounting.height_m == 1.2, "{mounting:?}");
         assert!(mounting.checked().is_ok());

@@ -71,16 +71,16 @@ mod tests {
     use super::*;
 
     const RIG: StereoRig = StereoRig {
-        width: 640,
-        height: 480,
-        focal_px: 700.0,
-        centre_x_px: 320.0,
-        centre_y_px: 240.0,
-        baseline_m: 0.3,
+        width: 64,
+        height: 48,
+        focal_px: 70.0,
+        centre_x_px: 32.0,
+        centre_y_px: 24.0,
+        baseline_m: 3.0,
     };
 
     #[test]
-    fn depth_of_the_camera_of_andert() {
+    fn depth_times_disparity_is_baseline_times_focal_length() {
         // b f = 210: 21 px at 10 m, 10.5 px at 20 m.
         assert_eq!(RIG.depth_m(21.0), 10.0);
         assert_eq!(RIG.disparity_px(20.0), 10.5);

@@ -4,13 +4,14 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use evigrid_core::{
     CostScale, CostVolume, Disparity, Frame, GrayImage, Matches, Matching, NO_COST, Pose, StereoRig, View,
+    level_camera,
 };
 use evigrid_cost_curve::{
     CostCurve, CostCurveBayes, CostCurveBayesSettings, CostCurveSettings, CostUnit, WinnerTakeAll,
     WinnerTakeAllSettings,
 };
 use evigrid_grid::{GridSettings, GridSpec, Mapper};
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 
 /// Camera above the road, metres.
 const HEIGHT_M: f64 = 1.65;
@@ -55,11 +56,9 @@ fn road(rig: &StereoRig) -> Matches {
 
 /// A camera that looks forward, slightly turned, as on a car.
 fn pose() -> Pose {
-    let level = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
-    let level = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(level));
     Pose::from_parts(
         Vector3::new(3.17, 0.13, 0.02).into(),
-        UnitQuaternion::from_euler_angles(0.01, 0.02, 0.05) * level,
+        UnitQuaternion::from_euler_angles(0.01, 0.02, 0.05) * level_camera(),
     )
 }
 

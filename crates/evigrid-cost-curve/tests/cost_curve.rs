@@ -7,13 +7,13 @@ mod common;
 use std::collections::BTreeMap;
 
 use common::volumes::{SCALE, Shot, TOUCH_M, cells_of_ray, curve, shot, uniform};
-use common::{RIG, bits, spec};
-use evigrid_core::NO_COST;
+use common::whole_curves::{self, ODD_CURVES};
+use common::{RIG, all_are_refused, spec};
 use evigrid_cost_curve::{
     CostCurve, CostCurveSettings, CostExponent, CostUnit, HypothesesToCells, free_space_costs,
     pixel_variance, whole_curve,
 };
-use evigrid_grid::{Clamp, MapError, Mapper, logit};
+use evigrid_grid::{Clamp, Mapper, logit};
 use proptest::prelude::*;
 
 /// Error of the evidence of a cell by single precision and the polynomials, log-odds.
@@ -160,27 +160,13 @@ proptest! {
         settings in settings(),
         shots in prop::collection::vec(shot(), 1..3),
     ) {
-        let maps = [1, 2, 5].map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let mut mapper = CostCurve::new(spec(), settings).unwrap();
-            pool.install(|| shots.iter().for_each(|shot| mapper.integrate(&shot.view()).unwrap()));
-            bits(mapper.map())
-        });
-        prop_assert_eq!(&maps[0], &maps[1]);
-        prop_assert_eq!(&maps[0], &maps[2]);
+        whole_curves::any_number_of_threads_makes_the_same_map::<CostCurve>(&settings, &shots);
     }
 }
 
 #[test]
 fn bad_input_gives_a_map_all_the_same() {
-    for (curve, smallest) in [
-        (&[500, 500, 500, 500, 500][..], 0), // a constant curve
-        (&[0, 0, 0][..], 1),
-        (&[NO_COST, 300, NO_COST, 70, NO_COST][..], 0), // missing costs
-        (&[40][..], 1),                                 // one disparity only
-        (&[40][..], 0),
-        (&[65_534, 0, 65_534][..], 2),
-    ] {
+    for (curve, smallest) in ODD_CURVES {
         // Identical images and constant ones: no variance.
         for images in [[80, 80], [0, 255]] {
             for hypotheses_to_cells in [HypothesesToCells::PerDisparity, HypothesesToCells::SpreadOverCells] {
@@ -197,22 +183,12 @@ fn bad_input_gives_a_map_all_the_same() {
             }
         }
     }
-    let mut mapper = CostCurve::new(spec(), CostCurveSettings::default()).unwrap();
-    mapper.integrate(&uniform(&[NO_COST; 4], 0, [9, 9]).view()).unwrap();
-    assert_eq!(mapper.map().touched().count(), 0, "nothing measured, nothing said");
+    whole_curves::no_measurement_says_nothing::<CostCurve>();
 }
 
-/// The error names the costs, and the map stays as it was.
 #[test]
 fn a_view_without_costs_is_refused() {
-    let shot = uniform(&[9000, 9000, 0, 9000], 0, [80, 80]);
-    let mut mapper = CostCurve::new(spec(), CostCurveSettings::default()).unwrap();
-    mapper.integrate(&shot.view()).unwrap();
-    let before = bits(mapper.map());
-    let error = mapper.integrate(&shot.without_costs().view()).unwrap_err();
-    assert_eq!(error, MapError::Lacks("matching costs"));
-    assert_eq!(error.to_string(), "expected matching costs, found none");
-    assert_eq!(bits(mapper.map()), before);
+    whole_curves::a_view_without_costs_is_refused::<CostCurve>();
 }
 
 /// A wall whose disparity all pixels agree on: its depths are occupied, what is in front is free, what is
@@ -243,7 +219,7 @@ fn a_wall_by_geometry() {
 #[test]
 fn impossible_settings_are_refused() {
     let base = CostCurveSettings::default();
-    for bad in [
+    all_are_refused::<CostCurve>(&[
         CostCurveSettings { variance_factor: 0.0, ..base },
         CostCurveSettings { variance_factor: f64::NAN, ..base },
         CostCurveSettings { max_depth_m: -1.0, ..base },
@@ -252,8 +228,5 @@ fn impossible_settings_are_refused() {
         CostCurveSettings { max_probability: 1.0, ..base },
         CostCurveSettings { log_odds_bounds: [0.0, 5.0], ..base },
         CostCurveSettings { log_odds_bounds: [-5.0, f32::INFINITY], ..base },
-    ] {
-        let error = CostCurve::new(spec(), bad).unwrap_err().to_string();
-        assert!(error.starts_with("cost-curve."), "{error}");
-    }
+    ]);
 }

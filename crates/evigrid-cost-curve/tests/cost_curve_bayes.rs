@@ -7,8 +7,8 @@ mod common;
 use std::collections::BTreeMap;
 
 use common::volumes::{Shot, cells_of_ray, curve, shot, uniform};
-use common::{RIG, bits, spec};
-use evigrid_core::NO_COST;
+use common::whole_curves::{self, ODD_CURVES};
+use common::{RIG, spec};
 use evigrid_cost_curve::{
     CostCurveBayes, CostCurveBayesSettings, MEAN_DIFFERENCE_FLOOR, first_obstacle, mean_difference,
 };
@@ -196,33 +196,17 @@ proptest! {
         settings in settings(),
         shots in prop::collection::vec(shot(), 1..3),
     ) {
-        let maps = [1, 2, 5].map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let mut mapper = CostCurveBayes::new(spec(), settings).unwrap();
-            pool.install(|| shots.iter().for_each(|shot| mapper.integrate(&shot.view()).unwrap()));
-            bits(mapper.map())
-        });
-        prop_assert_eq!(&maps[0], &maps[1]);
-        prop_assert_eq!(&maps[0], &maps[2]);
+        whole_curves::any_number_of_threads_makes_the_same_map::<CostCurveBayes>(&settings, &shots);
     }
 }
 
 #[test]
 fn bad_input_gives_a_map_all_the_same() {
-    for (curve, smallest) in [
-        (&[500, 500, 500, 500, 500][..], 0), // a constant curve
-        (&[0, 0, 0][..], 1),
-        (&[NO_COST, 300, NO_COST, 70, NO_COST][..], 0), // missing costs
-        (&[40][..], 1),                                 // one disparity only
-        (&[40][..], 0),
-        (&[65_534, 0, 65_534][..], 2),
-    ] {
+    for (curve, smallest) in ODD_CURVES {
         // Identical images and constant ones.
         for images in [[80, 80], [0, 255]] {
             check(CostCurveBayesSettings::default(), &[uniform(curve, smallest, images)]).unwrap();
         }
     }
-    let mut mapper = CostCurveBayes::new(spec(), CostCurveBayesSettings::default()).unwrap();
-    mapper.integrate(&uniform(&[NO_COST; 4], 0, [9, 9]).view()).unwrap();
-    assert_eq!(mapper.map().touched().count(), 0, "nothing measured, nothing said");
+    whole_curves::no_measurement_says_nothing::<CostCurveBayes>();
 }

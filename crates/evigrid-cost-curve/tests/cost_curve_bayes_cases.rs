@@ -4,22 +4,14 @@
 mod common;
 
 use common::volumes::{scaled, uniform};
-use common::{bits, spec};
+use common::{all_are_refused, spec, whole_curves};
 use evigrid_core::{CostScale, NO_COST};
 use evigrid_cost_curve::{CostCurveBayes, CostCurveBayesSettings};
-use evigrid_grid::{GridSettings, GridSpec, MapError, Mapper, logit};
+use evigrid_grid::{GridSettings, GridSpec, Mapper, logit};
 
-/// The error names the costs, and the map stays as it was.
 #[test]
 fn a_view_without_costs_is_refused() {
-    let shot = uniform(&[9000, 9000, 0, 9000], 0, [80, 80]);
-    let mut mapper = CostCurveBayes::new(spec(), CostCurveBayesSettings::default()).unwrap();
-    mapper.integrate(&shot.view()).unwrap();
-    let before = bits(mapper.map());
-    let error = mapper.integrate(&shot.without_costs().view()).unwrap_err();
-    assert_eq!(error, MapError::Lacks("matching costs"));
-    assert_eq!(error.to_string(), "expected matching costs, found none");
-    assert_eq!(bits(mapper.map()), before);
+    whole_curves::a_view_without_costs_is_refused::<CostCurveBayes>();
 }
 
 /// Windows of a single pixel, and costs that are stored divided.
@@ -107,7 +99,7 @@ fn a_wall_by_geometry() {
 #[test]
 fn impossible_settings_are_refused() {
     let base = CostCurveBayesSettings::default();
-    for bad in [
+    all_are_refused::<CostCurveBayes>(&[
         CostCurveBayesSettings { cell_prior: 0.0, ..base },
         CostCurveBayesSettings { cell_prior: f64::NAN, ..base },
         CostCurveBayesSettings { outlier_share: 0.7, ..base },
@@ -116,8 +108,5 @@ fn impossible_settings_are_refused() {
         CostCurveBayesSettings { log_odds_bounds: [0.0, 5.0], ..base },
         CostCurveBayesSettings { log_odds_bounds: [-5.0, f32::NAN], ..base },
         CostCurveBayesSettings { log_odds_bounds: [-1.0, 5.0], ..base },
-    ] {
-        let error = CostCurveBayes::new(spec(), bad).unwrap_err().to_string();
-        assert!(error.starts_with("cost-curve-bayes."), "{error}");
-    }
+    ]);
 }

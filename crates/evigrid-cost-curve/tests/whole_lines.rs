@@ -5,8 +5,8 @@
 
 mod common;
 
-use common::{RIG, Shot, accepted, bits, integrate, level_camera, shot, spec};
-use evigrid_core::{Disparity, Matches, Pose};
+use common::{RIG, Shot, accepted, bits, integrate, shot, spec};
+use evigrid_core::{Disparity, Matches, Pose, level_camera};
 use evigrid_cost_curve::{Deviation, Profile, ProfileTable, WinnerTakeAll, WinnerTakeAllSettings};
 use evigrid_grid::{FrameEvidence, LogOddsGrid, RayWalk};
 use nalgebra::{Point3, UnitQuaternion, Vector3};

@@ -4,22 +4,12 @@
 use std::time::Instant;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use evigrid_core::{Disparity, Frame, GrayImage, Matches, Matching, Pose, StereoRig, View};
+use evigrid_core::{Disparity, Frame, GrayImage, Matches, Matching, Pose, View, level_camera};
 use evigrid_grid::{GridSettings, GridSpec, Mapper};
 use evigrid_inverse_model::{
-    InverseModelMapper, LinePyramidSettings, LineSettings, RayPyramidSettings, RaySettings,
+    ANDERT_RIG as RIG, InverseModelMapper, LinePyramidSettings, LineSettings, RayPyramidSettings, RaySettings,
 };
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
-
-/// The camera of Table I.
-const RIG: StereoRig = StereoRig {
-    width: 640,
-    height: 480,
-    focal_px: 700.0,
-    centre_x_px: 320.0,
-    centre_y_px: 240.0,
-    baseline_m: 0.3,
-};
+use nalgebra::Vector3;
 
 /// Posts from 6 to 25 m: distance, lateral place, radius and height above the ground, metres.
 const POSTS: [[f64; 4]; 11] = [
@@ -86,9 +76,7 @@ fn mapper(method: &str, spec: GridSpec) -> InverseModelMapper {
 fn bench(c: &mut Criterion) {
     let matches = posts();
     eprintln!("{} valid pixels", matches.disparity.valid_count());
-    let level = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
-    let level = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(level));
-    let pose = Pose::from_parts(Vector3::new(0.1, 0.1, 0.1).into(), level);
+    let pose = Pose::from_parts(Vector3::new(0.1, 0.1, 0.1).into(), level_camera());
     let grey = || GrayImage::new(RIG.width, RIG.height, vec![0; RIG.width * RIG.height]).unwrap();
     let frame = Frame::new(0, 0, RIG, grey(), grey(), pose, None).unwrap();
     let matching = Matching::from(matches);

@@ -25,6 +25,28 @@ pub(crate) enum Drawing {
     Rays { search: Search, window: WindowCube },
 }
 
+/// A view as it is drawn.
+#[derive(Clone, Copy)]
+struct Shot<'a> {
+    view: &'a View<'a>,
+    model: &'a SensorModel,
+    /// The matches that count.
+    filter: MatchFilter<'a>,
+}
+
+impl<'a> Shot<'a> {
+    /// The camera's rays over a grid.
+    fn rays(self, spec: &'a GridSpec) -> ViewRays<'a> {
+        ViewRays::new(spec, self.view.rig, self.view.map_from_left, self.model.max_depth_m)
+    }
+
+    /// The model for cells of a grid.
+    fn fast_model(self, spec: &GridSpec) -> FastModel {
+        let rig = self.view.rig;
+        FastModel::new(self.model, rig.baseline_m * rig.focal_px, spec.cell_size_m())
+    }
+}
+
 /// Draws images one after the other, with buffers that are kept from image to image.
 #[derive(Debug)]
 pub(crate) struct ImageDrawer {
@@ -55,29 +77,28 @@ impl ImageDrawer {
     /// Draws the matches of a view that keep the limits.
     pub fn draw(&mut self, view: &View<'_>, model: &SensorModel, limits: &MatchLimits) -> Counters {
         self.image.begin(model.min_probability as f32);
-        let filter = MatchFilter::new(view.matches, limits);
+        let shot = Shot { view, model, filter: MatchFilter::new(view.matches, limits) };
         match self.drawing {
-            Drawing::Lines { walk, pyramid } => self.draw_lines(view, model, filter, walk, pyramid.as_ref()),
-            Drawing::Rays { search, window } => self.draw_rays(view, model, filter, search, window),
+            Drawing::Lines { walk, pyramid } => self.draw_lines(shot, walk, pyramid.as_ref()),
+            Drawing::Rays { search, window } => self.draw_rays(shot, search, window),
         }
     }
 
     /// Draws lines (sections V-A and VI-B).
     fn draw_lines(
         &mut self,
-        view: &View<'_>,
-        model: &SensorModel,
-        filter: MatchFilter<'_>,
+        shot: Shot<'_>,
         walk: Walk,
         pyramid_settings: Option<&LinePyramidSettings>,
     ) -> Counters {
+        let Shot { view, model, filter } = shot;
         let spec = *self.image.spec();
-        let camera = ViewRays::new(&spec, view.rig, view.map_from_left, model.max_depth_m);
+        let camera = shot.rays(&spec);
         let Self { ends, sections, points, pyramid, .. } = self;
         ends.reset(&camera.sensor_box());
         let context = LineContext {
             camera,
-            model: FastModel::new(model, view.rig.baseline_m * view.rig.focal_px, spec.cell_size_m()),
+            model: shot.fast_model(&spec),
             table: &self.table,
             free: model.min_probability as f32,
             ends,
@@ -101,26 +122,19 @@ impl ImageDrawer {
     }
 
     /// Traces rays (sections V-B and VI-C).
-    fn draw_rays(
-        &mut self,
-        view: &View<'_>,
-        model: &SensorModel,
-        filter: MatchFilter<'_>,
-        search: Search,
-        window: WindowCube,
-    ) -> Counters {
+    fn draw_rays(&mut self, shot: Shot<'_>, search: Search, window: WindowCube) -> Counters {
+        let Shot { view, model, filter } = shot;
         let spec = *self.image.spec();
-        let cell_size_m = spec.cell_size_m();
-        let camera = ViewRays::new(&spec, view.rig, view.map_from_left, model.max_depth_m);
+        let camera = shot.rays(&spec);
         let edge_cells = match window {
             WindowCube::Cell => 1.0,
-            WindowCube::Metre => 1.0 / cell_size_m,
+            WindowCube::Metre => 1.0 / spec.cell_size_m(),
         };
         // Eq. 16. Ray tracing without a pyramid looks at the image alone.
         self.pyramid.build(filter, view.rig.width, view.rig.height, Keep::Largest, 0);
         let context = RayContext {
             camera,
-            model: FastModel::new(model, view.rig.baseline_m * view.rig.focal_px, cell_size_m),
+            model: shot.fast_model(&spec),
             table: &self.table,
             free: model.min_probability as f32,
             projection: WindowProjection::new(&camera, edge_cells),

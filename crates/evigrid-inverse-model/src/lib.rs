@@ -41,7 +41,7 @@ pub use gaussian_table::{GaussianTable, Profile, TABLE_ERROR};
 pub use layers::{LAYERS, LayerTable};
 pub use mapper::InverseModelMapper;
 pub use methods::{Line, LinePyramid, Ray, RayPyramid, Souza};
-pub use model::{Measurement, NearPixels, Obstacle, SensorModel};
+pub use model::{ANDERT_RIG, Measurement, NearPixels, Obstacle, SensorModel};
 pub use settings::{
     BlockPoint, LinePyramidSettings, LineSettings, RayPyramidSettings, RaySettings, SouzaSettings, Walk,
 };

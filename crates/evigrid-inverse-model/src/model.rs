@@ -8,6 +8,16 @@ use evigrid_grid::logit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// The camera of Andert 2009, Fig. 1 and Table I.
+pub const ANDERT_RIG: StereoRig = StereoRig {
+    width: 640,
+    height: 480,
+    focal_px: 700.0,
+    centre_x_px: 320.0,
+    centre_y_px: 240.0,
+    baseline_m: 0.3,
+};
+
 /// Treatment of a pixel so near that its peak would be no probability: P(l) lies in (0, 1) only while
 /// A = k / (dl sqrt(2 pi)) < 1/2 (Andert 2009, section IV: "for all l >= l_min").
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -138,18 +148,8 @@ impl Measurement {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::*;
+    use super::{ANDERT_RIG as RIG, *};
     use evigrid_grid::probability;
-
-    /// The camera of Fig. 1.
-    const RIG: StereoRig = StereoRig {
-        width: 640,
-        height: 480,
-        focal_px: 700.0,
-        centre_x_px: 320.0,
-        centre_y_px: 240.0,
-        baseline_m: 0.3,
-    };
 
     const FIGURE_1: SensorModel = SensorModel {
         k: 0.1,

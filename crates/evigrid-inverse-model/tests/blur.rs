@@ -3,8 +3,8 @@
 
 mod common;
 
-use common::{N, Shot, level_camera, shot};
-use evigrid_core::Pose;
+use common::{N, Shot, shot};
+use evigrid_core::{Pose, level_camera};
 use evigrid_grid::{GridSettings, GridSpec, LogOddsGrid};
 use evigrid_inverse_model::{BlurKind, InverseModelMapper, LineSettings, PoseDeviation, blurred};
 use nalgebra::Vector3;

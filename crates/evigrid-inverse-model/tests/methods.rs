@@ -3,8 +3,8 @@
 
 mod common;
 
-use common::{N, RIG, Shot, all, bits, level_camera, shot, spec, wall};
-use evigrid_core::{CoreError, Disparity, Frame, GrayImage, Pose, StereoRig};
+use common::{N, RIG, Shot, all, bits, shot, spec, wall};
+use evigrid_core::{CoreError, Disparity, Frame, GrayImage, Pose, StereoRig, level_camera};
 use evigrid_grid::{GridSettings, GridSpec, logit};
 use evigrid_inverse_model::{InverseModelMapper, LineSettings, NearPixels, SouzaSettings};
 use nalgebra::{UnitQuaternion, Vector3};

@@ -1,6 +1,6 @@
 //! Rotations and projections as calibration files print them.
 
-use evigrid_core::{CoreError, Pose, StereoRig};
+use evigrid_core::{CoreError, Pose, StereoRig, level_camera};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use crate::image_size::ImageSize;
@@ -45,11 +45,9 @@ pub(crate) fn pose_from_matrix(what: &str, m: &[f64; 12]) -> Result<Pose, Fault>
     pose(what, &[m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]], &[m[3], m[7], m[11]])
 }
 
-/// Axes of a level camera (x right, y down, z forward) in a world whose x is forward, y left, z up.
-pub(crate) fn level_camera() -> Pose {
-    let columns = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
-    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns));
-    Isometry3::from_parts(Translation3::identity(), rotation)
+/// Pose of a level camera at the origin that looks along x.
+pub(crate) fn level_pose() -> Pose {
+    Isometry3::from_parts(Translation3::identity(), level_camera())
 }
 
 /// The projection [f 0 cx tx; 0 f cy ty; 0 0 1 tz] of a rectified camera, whose centre lies at

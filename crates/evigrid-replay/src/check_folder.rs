@@ -9,9 +9,16 @@ use crate::{FrameRanges, ReplayError, SequenceInfo, png};
 
 /// A key of a calibration file.
 pub(crate) struct CalibrationKey {
-    pub name: &'static str,
+    name: &'static str,
     /// How many numbers it holds.
-    pub numbers: usize,
+    numbers: usize,
+}
+
+impl CalibrationKey {
+    /// The key of this name, which holds so many numbers.
+    pub const fn new(name: &'static str, numbers: usize) -> Self {
+        Self { name, numbers }
+    }
 }
 
 /// A look through one data set. Each layout tells it what to look for; the findings gather in the report.

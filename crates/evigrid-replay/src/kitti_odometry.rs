@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use evigrid_core::{Frame, Pose};
 
-use crate::calibration::{ProjectionMatrix, RectifiedPair, level_camera, pose_from_matrix, rectified_pair};
+use crate::calibration::{ProjectionMatrix, RectifiedPair, level_pose, pose_from_matrix, rectified_pair};
 use crate::check_folder::{CalibrationKey, Inspection};
 use crate::folder::{FrameFiles, folder_name, resolve};
 use crate::frame_parts::{FrameParts, ScanFiles, require_frame};
@@ -25,11 +25,8 @@ const ORIGINS: FrameFiles = FrameFiles { folder: "velodyne_origins", ..LASER };
 const CALIBRATION: &str = "calib.txt";
 const STAMPS: &str = "times.txt";
 /// Keys of the two cameras, then of the laser.
-const KEYS: [CalibrationKey; 3] = [
-    CalibrationKey { name: "P0", numbers: 12 },
-    CalibrationKey { name: "P1", numbers: 12 },
-    CalibrationKey { name: "Tr", numbers: 12 },
-];
+const KEYS: [CalibrationKey; 3] =
+    [CalibrationKey::new("P0", 12), CalibrationKey::new("P1", 12), CalibrationKey::new("Tr", 12)];
 
 impl Layout {
     /// Layout of a [`KittiOdometry`] sequence.
@@ -89,7 +86,7 @@ impl KittiOdometry {
                 frame_count,
             },
             stamps_ns,
-            world_from_rectified: poses.iter().map(|pose| level_camera() * pose).collect(),
+            world_from_rectified: poses.iter().map(|pose| level_pose() * pose).collect(),
             calibration,
         })
     }

@@ -27,15 +27,14 @@ const CAMERA_FROM_LASER: &str = "calib_velo_to_cam.txt";
 const LASER_FROM_IMU: &str = "calib_imu_to_velo.txt";
 /// Keys of the camera calibration that are used.
 const CAMERA_KEYS: [CalibrationKey; 5] = [
-    CalibrationKey { name: "S_rect_00", numbers: 2 },
-    CalibrationKey { name: "R_rect_00", numbers: 9 },
-    CalibrationKey { name: "P_rect_00", numbers: 12 },
-    CalibrationKey { name: "S_rect_01", numbers: 2 },
-    CalibrationKey { name: "P_rect_01", numbers: 12 },
+    CalibrationKey::new("S_rect_00", 2),
+    CalibrationKey::new("R_rect_00", 9),
+    CalibrationKey::new("P_rect_00", 12),
+    CalibrationKey::new("S_rect_01", 2),
+    CalibrationKey::new("P_rect_01", 12),
 ];
 /// Keys of a calibration between two sensors.
-const RIGID_KEYS: [CalibrationKey; 2] =
-    [CalibrationKey { name: "R", numbers: 9 }, CalibrationKey { name: "T", numbers: 3 }];
+const RIGID_KEYS: [CalibrationKey; 2] = [CalibrationKey::new("R", 9), CalibrationKey::new("T", 3)];
 /// Mounting of the recording car's cameras: 1.65 m above the road (Geiger et al., IJRR 2013, Fig. 3). The
 /// pitch is nominal: the poses carry the real tilt.
 const MOUNTING: Mounting = Mounting { height_m: 1.65, pitch_rad: 0.0 };

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use evigrid_core::{Disparity, Frame, Pose, StereoRig};
 
-use crate::calibration::{checked, level_camera};
+use crate::calibration::{checked, level_pose};
 use crate::check_folder::{CalibrationKey, Inspection};
 use crate::folder::{folder_name, resolve};
 use crate::frame_parts::{FrameParts, require_frame};
@@ -25,10 +25,10 @@ const ASSUMED_FOCAL_PX: f64 = 3740.0 / 4.0;
 const ASSUMED_BASELINE_M: f64 = 0.160;
 /// Keys of the calibration that hold one plain number.
 const KEYS: [CalibrationKey; 4] = [
-    CalibrationKey { name: "doffs", numbers: 1 },
-    CalibrationKey { name: "baseline", numbers: 1 },
-    CalibrationKey { name: "width", numbers: 1 },
-    CalibrationKey { name: "height", numbers: 1 },
+    CalibrationKey::new("doffs", 1),
+    CalibrationKey::new("baseline", 1),
+    CalibrationKey::new("width", 1),
+    CalibrationKey::new("height", 1),
 ];
 
 impl Layout {
@@ -102,7 +102,7 @@ impl Sequence for MiddleburyPair {
 
     fn world_from_left(&self, index: usize) -> Result<Pose, ReplayError> {
         require_frame(&self.info, &self.dir, index)?;
-        Ok(level_camera())
+        Ok(level_pose())
     }
 
     fn frame(&self, index: usize, map_from_world: &Pose) -> Result<Frame, ReplayError> {

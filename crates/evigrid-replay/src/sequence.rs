@@ -49,13 +49,7 @@ pub fn map_from_world(world_from_first_left: &Pose) -> Pose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Matrix3, Rotation3};
-
-    /// Camera axes (x right, y down, z forward) in a world whose x is forward, y left, z up.
-    fn level_camera() -> UnitQuaternion<f64> {
-        let columns = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
-        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns))
-    }
+    use evigrid_core::level_camera;
 
     #[test]
     fn the_first_camera_looks_along_x_and_keeps_its_tilt() {

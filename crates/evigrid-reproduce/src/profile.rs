@@ -1,20 +1,10 @@
 //! The inverse sensor model along a ray, with the camera of Andert's Fig. 1.
 
 use anyhow::{Result, bail};
-use evigrid_core::StereoRig;
-use evigrid_inverse_model::{Measurement, NearPixels, Obstacle, SensorModel};
+use evigrid_inverse_model::{ANDERT_RIG, Measurement, NearPixels, Obstacle, SensorModel};
 
 use crate::chart::{Axis, BLUE, Corner, GREEN, GREY, Marks, ORANGE, Panel, Series};
 
-/// Andert 2009, Fig. 1.
-pub const RIG: StereoRig = StereoRig {
-    width: 640,
-    height: 480,
-    focal_px: 700.0,
-    centre_x_px: 320.0,
-    centre_y_px: 240.0,
-    baseline_m: 0.3,
-};
 pub const MEASURED_M: [f64; 3] = [10.0, 20.0, 40.0];
 /// Samples of l, and how many lie in a metre.
 const SAMPLES: u32 = 1200;
@@ -51,8 +41,8 @@ impl Profile {
             max_depth_m: 60.0,
         };
         let profile = |measured_m: f64| {
-            let axis = (RIG.centre_x_px, RIG.centre_y_px);
-            match model.measure(&RIG, axis, RIG.disparity_px(measured_m)) {
+            let axis = (ANDERT_RIG.centre_x_px, ANDERT_RIG.centre_y_px);
+            match model.measure(&ANDERT_RIG, axis, ANDERT_RIG.disparity_px(measured_m)) {
                 Some(Measurement::Obstacle(obstacle)) => Ok(Self { motion_error_m, measured_m, obstacle }),
                 other => bail!("{measured_m} m measure as {other:?}"),
             }

@@ -2,11 +2,12 @@
 #![allow(clippy::unwrap_used, missing_docs, dead_code)]
 
 pub mod volumes;
+pub mod whole_curves;
 
-use evigrid_core::{Disparity, Frame, GrayImage, Matches, Matching, Pose, StereoRig, View};
+use evigrid_core::{Disparity, Frame, GrayImage, Matches, Matching, Pose, StereoRig, View, level_camera};
 use evigrid_cost_curve::WinnerTakeAllSettings;
-use evigrid_grid::{GridSettings, GridSpec, LogOddsGrid, Mapper};
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use evigrid_grid::{GridSettings, GridSpec, LogOddsGrid, Mapper, Method};
+use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
 pub const RIG: StereoRig =
@@ -15,11 +16,6 @@ pub const RIG: StereoRig =
 pub fn spec() -> GridSpec {
     let settings = GridSettings { x_m: [0.0, 12.0], y_m: [-3.0, 3.0], z_m: [-2.0, 2.0], cell_size_m: 0.4 };
     GridSpec::new(&settings).unwrap()
-}
-
-pub fn level_camera() -> UnitQuaternion<f64> {
-    let columns = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
-    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns))
 }
 
 #[derive(Debug, Clone)]
@@ -53,6 +49,15 @@ pub fn integrate(mapper: &mut impl Mapper, shot: &Shot) {
 /// The numbers of a map to the last bit.
 pub fn bits(map: &LogOddsGrid) -> Vec<u32> {
     map.values().iter().map(|l| l.to_bits()).collect()
+}
+
+/// Settings outside their domains are refused by errors that name the method.
+pub fn all_are_refused<M: Method>(settings: &[M::Settings]) {
+    for bad in settings {
+        let Err(error) = M::build(spec(), bad) else { panic!("{} accepts impossible settings", M::NAME) };
+        let text = error.to_string();
+        assert!(text.starts_with(&format!("{}.", M::NAME)), "{text}");
+    }
 }
 
 /// Cameras in the grid that look along it, more or less.

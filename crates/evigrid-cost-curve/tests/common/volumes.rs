@@ -2,12 +2,12 @@
 #![allow(clippy::unwrap_used, missing_docs, dead_code)]
 
 use evigrid_core::{
-    CostScale, CostVolume, Disparity, Frame, GrayImage, Matches, Matching, NO_COST, Pose, View,
+    CostScale, CostVolume, Disparity, Frame, GrayImage, Matches, Matching, NO_COST, Pose, View, level_camera,
 };
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
-use super::{RIG, level_camera, poses, spec};
+use super::{RIG, poses, spec};
 
 /// Overlaps of a cell and the depths of a hypothesis that rounding may make or break, metres.
 pub const TOUCH_M: f64 = 1e-9;

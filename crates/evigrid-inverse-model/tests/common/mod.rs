@@ -1,12 +1,12 @@
 //! Random frames of a small rig over a small grid, and the inverse model written down directly.
 #![allow(clippy::unwrap_used, missing_docs, dead_code)]
 
-use evigrid_core::{Disparity, Frame, GrayImage, Matches, Matching, Pose, StereoRig, View};
+use evigrid_core::{Disparity, Frame, GrayImage, Matches, Matching, Pose, StereoRig, View, level_camera};
 use evigrid_grid::{GridSettings, GridSpec, LogOddsGrid, Mapper};
 use evigrid_inverse_model::{
     InverseModelMapper, LinePyramidSettings, LineSettings, RayPyramidSettings, RaySettings, SouzaSettings,
 };
-use nalgebra::{Matrix3, Point3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
 /// A rig whose images have odd sizes in both directions.
@@ -22,11 +22,6 @@ pub fn spec() -> GridSpec {
     let settings =
         GridSettings { x_m: [-1.0, 11.0], y_m: [-3.0, 3.0], z_m: [-2.0, 2.0], cell_size_m: CELL_M };
     GridSpec::new(&settings).unwrap()
-}
-
-pub fn level_camera() -> UnitQuaternion<f64> {
-    let columns = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
-    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns))
 }
 
 #[derive(Debug, Clone)]

@@ -1,11 +1,10 @@
 //! Fig. 3: which layer of the pyramid a disparity is drawn from, and how large its pixels are there.
 
 use anyhow::Result;
-use evigrid_inverse_model::LayerTable;
+use evigrid_inverse_model::{ANDERT_RIG as RIG, LayerTable};
 
 use crate::chart::{Axis, BLUE, Corner, GREY, Marks, ORANGE, Panel, Series, Sheet};
 use crate::job::Job;
-use crate::profile::RIG;
 
 /// The paper's grid, metres.
 const CELL_M: f64 = 0.5;
