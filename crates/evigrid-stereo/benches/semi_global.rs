@@ -22,7 +22,7 @@ fn bench(c: &mut Criterion) {
     for (kind, settings, keep_volume) in kinds {
         for threads in [1, 2] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let mut matcher = SemiGlobalMatcher::new(settings, 0, 128).unwrap();
+            let mut matcher = SemiGlobalMatcher::new(settings, 0..128).unwrap();
             let mut recycled = None;
             group.bench_function(format!("kitti_1242x375_128{kind}/{threads}"), |b| {
                 b.iter(|| {

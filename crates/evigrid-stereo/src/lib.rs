@@ -23,7 +23,7 @@ pub use error::StereoError;
 pub use graph_cuts::{GraphCutMatcher, GraphCutSettings};
 pub use matcher::Matcher;
 pub use matchers::{MatcherKind, StereoSettings};
-pub use pair_matcher::{Extras, PairMatcher};
+pub use pair_matcher::{Extras, PairMatcher, PairTask};
 pub use post_filter::{drop_matches, speckles};
 pub use pre_filter::{PreFilter, texture};
 pub use semi_global::{PixelCost, SemiGlobalMatcher, SemiGlobalSettings};

@@ -4,7 +4,7 @@ use evigrid_core::{GrayImage, Matching};
 
 use crate::error::StereoError;
 use crate::matchers::StereoSettings;
-use crate::pair_matcher::{Extras, PairMatcher};
+use crate::pair_matcher::{Extras, PairMatcher, PairTask};
 use crate::post_filter::{drop_matches, speckles};
 use crate::pre_filter::{PreFilter, texture};
 
@@ -40,7 +40,8 @@ impl Matcher {
         recycled: Option<Matching>,
     ) -> Result<Matching, StereoError> {
         let (filtered_left, filtered_right) = (self.pre_filtered(left)?, self.pre_filtered(right)?);
-        let matching = self.pair_matcher.run(&filtered_left, &filtered_right, wanted, recycled)?;
+        let task = PairTask { left: &filtered_left, right: &filtered_right, wanted, recycled };
+        let matching = self.pair_matcher.run(task)?;
         self.post_filtered(left, matching)
     }
 

@@ -150,17 +150,15 @@ impl StereoSettings {
 
     /// Builds the matcher that these settings name, without its filters.
     pub(crate) fn pair_matcher(&self) -> Result<Box<dyn PairMatcher>, StereoError> {
-        let Self { min_disparity, disparities, .. } = *self;
+        let disparities = self.min_disparity..self.min_disparity + self.disparities;
         let percent = self.uniqueness_percent as u32;
         Ok(match self.matcher {
             MatcherKind::Block => Box::new(BlockMatcher::new(self.block())?.with_uniqueness(percent)),
             MatcherKind::SemiGlobal => {
-                let matcher = SemiGlobalMatcher::new(self.semi_global, min_disparity, disparities)?;
+                let matcher = SemiGlobalMatcher::new(self.semi_global, disparities)?;
                 Box::new(matcher.with_uniqueness(percent))
             }
-            MatcherKind::GraphCuts => {
-                Box::new(GraphCutMatcher::new(self.graph_cuts, min_disparity, disparities)?)
-            }
+            MatcherKind::GraphCuts => Box::new(GraphCutMatcher::new(self.graph_cuts, disparities)?),
         })
     }
 }

@@ -6,19 +6,25 @@ use crate::error::StereoError;
 
 /// A matcher of rectified stereo pairs, without the filters before and after it.
 pub trait PairMatcher: Debug + Send + Sync {
-    /// Matches a pair of images of one size. A matcher leaves out those `wanted` extras that it does not
-    /// offer. `recycled` is the result of an earlier frame, whose buffers are filled again. The result does
-    /// not depend on the number of threads.
+    /// Matches a pair of images of one size. A matcher leaves out those wanted extras that it does not offer.
+    /// The result does not depend on the number of threads.
     ///
     /// # Errors
     /// If the images differ in size, or the matcher cannot match images of their size.
-    fn run(
-        &mut self,
-        left: &GrayImage,
-        right: &GrayImage,
-        wanted: Extras,
-        recycled: Option<Matching>,
-    ) -> Result<Matching, StereoError>;
+    fn run(&mut self, task: PairTask<'_>) -> Result<Matching, StereoError>;
+}
+
+/// A pair to match.
+#[derive(Debug)]
+pub struct PairTask<'a> {
+    /// The left image.
+    pub left: &'a GrayImage,
+    /// The right image, as large as the left one.
+    pub right: &'a GrayImage,
+    /// What is wanted beyond the matches.
+    pub wanted: Extras,
+    /// The result of an earlier frame, whose buffers are filled again.
+    pub recycled: Option<Matching>,
 }
 
 /// Parts of a [`Matching`] beyond the matches, which only some matchers have.

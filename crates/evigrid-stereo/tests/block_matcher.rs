@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::pair;
+use common::{check_match, pair, parabola_offset};
 use evigrid_core::{GrayImage, Matching, NO_COST};
 use evigrid_stereo::{BlockMatcher, BlockMatchingSettings};
 use proptest::prelude::*;
@@ -32,18 +32,6 @@ fn winner(curve: &[Option<i64>]) -> Option<usize> {
     curve.iter().position(|c| c.as_ref() == Some(lowest))
 }
 
-/// Local minima of a curve: plateaus are merged, ends may be minima.
-fn local_minima(curve: &[Option<i64>]) -> Vec<i64> {
-    let mut values: Vec<i64> = curve.iter().copied().flatten().collect();
-    values.dedup();
-    (0..values.len())
-        .filter(|&i| {
-            (i == 0 || values[i - 1] > values[i]) && (i + 1 == values.len() || values[i + 1] > values[i])
-        })
-        .map(|i| values[i])
-        .collect()
-}
-
 fn check_pixel(
     s: &BlockMatchingSettings,
     left: &GrayImage,
@@ -70,23 +58,10 @@ fn check_pixel(
     let whole = s.min_disparity + best;
     let mut expected = whole as f64;
     if best > 0 && best + 1 < stored.len() && stored[best - 1].is_some() && stored[best + 1].is_some() {
-        let [a, b, c] = [-1, 0, 1].map(|k| stored[(best as i64 + k) as usize].unwrap() as f64);
-        if a - 2.0 * b + c > 0.0 {
-            expected += (a - c) / (2.0 * (a - 2.0 * b + c));
-        }
+        expected += parabola_offset([best - 1, best, best + 1].map(|k| stored[k].unwrap()));
     }
-    assert!((f64::from(disparity) - expected).abs() < 1e-4, "({x}, {y}): {disparity}, expected {expected}");
-
-    let mut minima = local_minima(&stored);
-    minima.sort_unstable();
-    let ratio = match minima[..] {
-        [_] => f64::INFINITY,
-        [0, 0, ..] => 1.0,
-        [first, second, ..] => second as f64 / first as f64,
-        [] => unreachable!("a curve with a winner has a minimum"),
-    };
-    let found = f64::from(out.matches.peak_ratio[at]);
-    assert!(found == ratio || (found - ratio).abs() < 1e-5 * ratio, "({x}, {y}): {found}, expected {ratio}");
+    let measured: Vec<i64> = stored.iter().copied().flatten().collect();
+    check_match(out, x, y, expected, &measured);
 
     // The right image's pixel x - d sees the left image's costs along x - d + d'.
     let right_x = x - whole;

@@ -133,12 +133,12 @@ fn without_filters_the_named_matcher_is_the_matcher() {
     assert_eq!((bits(&named), &named.volume), (bits(&block), &block.volume));
     let semi_global = StereoSettings { matcher: MatcherKind::SemiGlobal, ..settings };
     let named = Matcher::new(semi_global).unwrap().run(&left, &right, COSTS, Some(named)).unwrap();
-    let mut plain = SemiGlobalMatcher::new(settings.semi_global, 0, 20).unwrap();
+    let mut plain = SemiGlobalMatcher::new(settings.semi_global, 0..20).unwrap();
     let plain = plain.run(&left, &right, true, None).unwrap();
     assert_eq!((bits(&named), &named.volume), (bits(&plain), &plain.volume));
     let graph_cuts = StereoSettings { matcher: MatcherKind::GraphCuts, ..settings };
     let named = Matcher::new(graph_cuts).unwrap().run(&left, &right, COSTS, Some(named)).unwrap();
-    let plain = GraphCutMatcher::new(settings.graph_cuts, 0, 20).unwrap();
+    let plain = GraphCutMatcher::new(settings.graph_cuts, 0..20).unwrap();
     let plain = plain.run(&left, &right, None).unwrap();
     assert_eq!((bits(&named), &named.volume), (bits(&plain), &plain.volume));
 }
@@ -210,14 +210,14 @@ fn the_named_pre_filter_is_applied_to_both_images() {
 #[test]
 fn pairs_that_are_too_large_are_refused() {
     let side = image(1024, 1024, 1);
-    let mut matcher = SemiGlobalMatcher::new(Default::default(), 0, 4096).unwrap();
+    let mut matcher = SemiGlobalMatcher::new(Default::default(), 0..4096).unwrap();
     let error = matcher.run(&side, &side, false, None).unwrap_err().to_string();
     assert_eq!(
         error,
         "semi-global matching: expected at most 2147483648 costs, found 1024x1024 pixels with 4096 disparities"
     );
     let side = image(4096, 1025, 1);
-    let matcher = GraphCutMatcher::new(GraphCutSettings::default(), 0, 16).unwrap();
+    let matcher = GraphCutMatcher::new(GraphCutSettings::default(), 0..16).unwrap();
     let error = matcher.run(&side, &side, None).unwrap_err().to_string();
     assert_eq!(error, "graph cuts: expected an image of at most 4194304 pixels, found 4096x1025");
 }

@@ -13,7 +13,7 @@ pub use settings::BlockMatchingSettings;
 
 use crate::buffers::Buffers;
 use crate::error::StereoError;
-use crate::pair_matcher::{Extras, PairMatcher};
+use crate::pair_matcher::{PairMatcher, PairTask};
 use bands::{bands, clear_border};
 use job::Job;
 use match_rows::{Scratch, match_rows};
@@ -73,13 +73,7 @@ impl BlockMatcher {
 }
 
 impl PairMatcher for BlockMatcher {
-    fn run(
-        &mut self,
-        left: &GrayImage,
-        right: &GrayImage,
-        wanted: Extras,
-        recycled: Option<Matching>,
-    ) -> Result<Matching, StereoError> {
-        Self::run(self, left, right, wanted.costs, recycled)
+    fn run(&mut self, task: PairTask<'_>) -> Result<Matching, StereoError> {
+        Self::run(self, task.left, task.right, task.wanted.costs, task.recycled)
     }
 }

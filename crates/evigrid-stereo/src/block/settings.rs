@@ -41,10 +41,7 @@ impl BlockMatchingSettings {
     /// Unit of the costs: sums over a window, which are stored divided by a power of two if it is larger than
     /// 15x15.
     pub fn cost_scale(&self) -> CostScale {
-        CostScale {
-            window_pixels: (self.window * self.window) as f64,
-            grey_levels: f64::from(1_u32 << self.cost_shift()),
-        }
+        CostScale::of_square(self.window, self.cost_shift())
     }
 
     /// Pixels from the window's centre to its edge.

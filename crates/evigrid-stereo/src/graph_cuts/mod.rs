@@ -23,13 +23,15 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
+use std::ops::Range;
+
 use evigrid_core::{GrayImage, Matching};
 
 pub use settings::GraphCutSettings;
 
 use crate::buffers::{Buffers, Shape};
 use crate::error::StereoError;
-use crate::pair_matcher::{Extras, PairMatcher, require_disparities, require_same_size};
+use crate::pair_matcher::{PairMatcher, PairTask, require_disparities, require_same_size};
 use energy::{Energy, OCCLUDED};
 use expansion::{Expansion, Labels};
 
@@ -52,17 +54,14 @@ pub struct GraphCutMatcher {
 }
 
 impl GraphCutMatcher {
-    /// A matcher with these settings that tries so many whole disparities, from the smallest on.
+    /// A matcher with these settings that tries the whole disparities of a range, pixels.
     ///
     /// # Errors
     /// If a setting is outside its domain.
-    pub fn new(
-        settings: GraphCutSettings,
-        min_disparity: usize,
-        disparities: usize,
-    ) -> Result<Self, StereoError> {
-        require_disparities(min_disparity, disparities)?;
-        Ok(Self { settings: settings.checked()?, min_disparity, disparities })
+    pub fn new(settings: GraphCutSettings, disparities: Range<usize>) -> Result<Self, StereoError> {
+        let (min_disparity, count) = (disparities.start, disparities.len());
+        require_disparities(min_disparity, count)?;
+        Ok(Self { settings: settings.checked()?, min_disparity, disparities: count })
     }
 
     /// Matches a pair. `recycled` is the result of an earlier frame, whose buffers are filled again. The
@@ -95,14 +94,8 @@ impl GraphCutMatcher {
 }
 
 impl PairMatcher for GraphCutMatcher {
-    fn run(
-        &mut self,
-        left: &GrayImage,
-        right: &GrayImage,
-        _wanted: Extras,
-        recycled: Option<Matching>,
-    ) -> Result<Matching, StereoError> {
-        Self::run(self, left, right, recycled)
+    fn run(&mut self, task: PairTask<'_>) -> Result<Matching, StereoError> {
+        Self::run(self, task.left, task.right, task.recycled)
     }
 }
 

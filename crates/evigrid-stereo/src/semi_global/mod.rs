@@ -25,13 +25,15 @@ mod pixel_costs;
 mod settings;
 mod travel;
 
+use std::ops::Range;
+
 use evigrid_core::{GrayImage, Matching};
 
 pub use settings::{PixelCost, SemiGlobalSettings};
 
 use crate::buffers::{Buffers, Shape};
 use crate::error::StereoError;
-use crate::pair_matcher::{Extras, PairMatcher, require_disparities, require_same_size};
+use crate::pair_matcher::{PairMatcher, PairTask, require_disparities, require_same_size};
 use finish::OutRows;
 use job::Job;
 use pass::{Pass, Sums, run_steps};
@@ -58,20 +60,16 @@ pub struct SemiGlobalMatcher {
 }
 
 impl SemiGlobalMatcher {
-    /// A matcher with these settings that tries so many whole disparities, from the smallest on.
+    /// A matcher with these settings that tries the whole disparities of a range, pixels.
     ///
     /// # Errors
     /// If a setting is outside its domain.
-    pub fn new(
-        settings: SemiGlobalSettings,
-        min_disparity: usize,
-        disparities: usize,
-    ) -> Result<Self, StereoError> {
-        require_disparities(min_disparity, disparities)?;
+    pub fn new(settings: SemiGlobalSettings, disparities: Range<usize>) -> Result<Self, StereoError> {
+        require_disparities(disparities.start, disparities.len())?;
         Ok(Self {
             settings: settings.checked()?,
-            min_disparity,
-            disparities,
+            min_disparity: disparities.start,
+            disparities: disparities.len(),
             uniqueness_percent: 0,
             planes: Planes::default(),
             passes: Default::default(),
@@ -118,14 +116,8 @@ impl SemiGlobalMatcher {
 }
 
 impl PairMatcher for SemiGlobalMatcher {
-    fn run(
-        &mut self,
-        left: &GrayImage,
-        right: &GrayImage,
-        wanted: Extras,
-        recycled: Option<Matching>,
-    ) -> Result<Matching, StereoError> {
-        Self::run(self, left, right, wanted.costs, recycled)
+    fn run(&mut self, task: PairTask<'_>) -> Result<Matching, StereoError> {
+        Self::run(self, task.left, task.right, task.wanted.costs, task.recycled)
     }
 }
 

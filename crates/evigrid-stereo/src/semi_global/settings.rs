@@ -85,10 +85,7 @@ impl SemiGlobalSettings {
     /// Unit of the costs: sums over a block, divided by a power of two where they would not fit into 16 bits.
     /// The penalties on the paths add to it.
     pub fn cost_scale(&self) -> CostScale {
-        CostScale {
-            window_pixels: (self.block * self.block) as f64,
-            grey_levels: f64::from(1_u32 << self.cost_shift()),
-        }
+        CostScale::of_square(self.block, self.cost_shift())
     }
 
     /// Pixels from the block's centre to its edge.

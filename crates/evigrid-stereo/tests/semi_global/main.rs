@@ -13,7 +13,7 @@ use twin::{Case, check_pixel, path_sums};
 
 fn run(case: &Case<'_>, recycled: Option<Matching>) -> Matching {
     let (min_disparity, disparities) = (case.min_disparity as usize, case.disparities as usize);
-    let matcher = SemiGlobalMatcher::new(case.s, min_disparity, disparities).unwrap();
+    let matcher = SemiGlobalMatcher::new(case.s, min_disparity..min_disparity + disparities).unwrap();
     let mut matcher = matcher.with_uniqueness(case.uniqueness_percent as u32);
     matcher.run(case.left, case.right, true, recycled).unwrap()
 }
@@ -92,7 +92,7 @@ fn threads_and_recycled_buffers_do_not_change_a_byte() {
     for threads in [1, 2, 5] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let out = pool.install(|| {
-            let mut matcher = SemiGlobalMatcher::new(s, 0, 20).unwrap();
+            let mut matcher = SemiGlobalMatcher::new(s, 0..20).unwrap();
             let first = matcher.run(other_left, other_right, true, None).unwrap();
             let second = matcher.run(left, right, true, Some(first)).unwrap();
             matcher.run(left, right, true, Some(second)).unwrap()
@@ -136,7 +136,7 @@ fn a_plane_without_texture_takes_the_disparity_of_its_edges() {
 #[test]
 fn impossible_settings_and_images_are_refused() {
     let base = SemiGlobalSettings::default();
-    let refuse = |s| SemiGlobalMatcher::new(s, 0, 16).unwrap_err().to_string();
+    let refuse = |s| SemiGlobalMatcher::new(s, 0..16).unwrap_err().to_string();
     assert_eq!(
         refuse(SemiGlobalSettings { block: 4, ..base }),
         "stereo.semi_global.block: expected an odd number from 1 to 15, found 4"
@@ -147,8 +147,8 @@ fn impossible_settings_and_images_are_refused() {
     );
     assert!(refuse(SemiGlobalSettings { paths: 5, ..base }).contains("4 or 8, found 5"));
     assert!(refuse(SemiGlobalSettings { sobel_cap: 97, ..base }).contains("sobel_cap"));
-    let few = SemiGlobalMatcher::new(base, 0, 0).unwrap_err().to_string();
+    let few = SemiGlobalMatcher::new(base, 0..0).unwrap_err().to_string();
     assert!(few.contains("stereo.disparities"), "{few}");
     let ((left, _), (_, other)) = (pair(10, 6, 1, 9, 1), pair(11, 6, 1, 9, 1));
-    assert!(SemiGlobalMatcher::new(base, 0, 16).unwrap().run(&left, &other, false, None).is_err());
+    assert!(SemiGlobalMatcher::new(base, 0..16).unwrap().run(&left, &other, false, None).is_err());
 }

@@ -3,6 +3,8 @@
 use evigrid_core::{GrayImage, Matching, NO_COST};
 use evigrid_stereo::{PixelCost, SemiGlobalSettings};
 
+use crate::common::{check_match, parabola_offset};
+
 /// A pair, and how it is matched.
 #[derive(Debug, Clone, Copy)]
 pub struct Case<'a> {
@@ -149,19 +151,6 @@ fn winner(curve: &[i64]) -> Option<usize> {
     curve.iter().position(|c| c == lowest)
 }
 
-/// Local minima of a curve: plateaus are merged, ends may be minima.
-fn local_minima(curve: &[i64]) -> Vec<i64> {
-    let mut values = curve.to_vec();
-    values.dedup();
-    let rises = |i: usize, j: usize| values.get(j).is_none_or(|v| *v > values[i]);
-    let mut minima: Vec<i64> = (0..values.len())
-        .filter(|&i| (i == 0 || rises(i, i - 1)) && rises(i, i + 1))
-        .map(|i| values[i])
-        .collect();
-    minima.sort_unstable();
-    minima
-}
-
 pub fn check_pixel(case: &Case<'_>, sums: &[Vec<i64>], out: &Matching, x: usize, y: usize) {
     let curve = &sums[x];
     let volume = out.volume.as_ref().unwrap();
@@ -185,21 +174,9 @@ pub fn check_pixel(case: &Case<'_>, sums: &[Vec<i64>], out: &Matching, x: usize,
     let whole = case.min_disparity as usize + best;
     let mut expected = whole as f64;
     if best > 0 && best + 1 < curve.len() {
-        let [a, b, c] = [curve[best - 1], curve[best], curve[best + 1]].map(|v| v as f64);
-        if a - 2.0 * b + c > 0.0 {
-            expected += (a - c) / (2.0 * (a - 2.0 * b + c));
-        }
+        expected += parabola_offset([curve[best - 1], curve[best], curve[best + 1]]);
     }
-    assert!((disparity - expected).abs() < 1e-4, "({x}, {y}): {disparity}, expected {expected}");
-
-    let ratio = match local_minima(curve)[..] {
-        [_] => f64::INFINITY,
-        [0, 0, ..] => 1.0,
-        [first, second, ..] => second as f64 / first as f64,
-        [] => unreachable!("a curve with a winner has a minimum"),
-    };
-    let found = f64::from(out.matches.peak_ratio[at]);
-    assert!(found == ratio || (found - ratio).abs() < 1e-5 * ratio, "({x}, {y}): {found}, expected {ratio}");
+    check_match(out, x, y, expected, curve);
 
     // The right image's pixel x - d sees the left image's sums along x - d + d'.
     let right_x = x - whole;
