@@ -95,15 +95,15 @@ fn pose() -> impl Strategy<Value = Pose> {
     })
 }
 
+fn cube() -> impl Strategy<Value = Cube> {
+    (prop::array::uniform3(-1.0..1.0_f64), 0.02..0.8_f64)
+        .prop_map(|(at, half_m)| Cube { centre: Point3::from(at), half_m })
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
     #[test]
-    fn cubes_touch_what_no_plane_separates_from_them(
-        pose in pose(),
-        at in prop::array::uniform3(-1.0..1.0_f64),
-        half_m in 0.02..0.8_f64,
-    ) {
-        let cube = Cube { centre: Point3::from(at), half_m };
+    fn cubes_touch_what_no_plane_separates_from_them(pose in pose(), cube in cube()) {
         for shape in solids() {
             let object = object(shape, &pose);
             let found = cube.relation(&object);
@@ -116,12 +116,7 @@ proptest! {
     }
 
     #[test]
-    fn a_mesh_of_a_box_is_touched_where_the_box_is(
-        pose in pose(),
-        at in prop::array::uniform3(-1.0..1.0_f64),
-        half_m in 0.02..0.8_f64,
-    ) {
-        let cube = Cube { centre: Point3::from(at), half_m };
+    fn a_mesh_of_a_box_is_touched_where_the_box_is(pose in pose(), cube in cube()) {
         for shape in solids() {
             let Shape::Box { half } = shape else { continue };
             let (mesh, exact) = (object(mesh_of_box(&half), &pose), object(shape, &pose));
