@@ -26,6 +26,8 @@ use anyhow::{Result, bail};
 use evigrid_core::name_hint;
 use evigrid_eval::{Clock, Observer};
 
+use crate::job::{Make, make_items};
+
 /// Where data is read from and results are written to.
 #[derive(Debug, Clone)]
 pub struct Folders {
@@ -51,16 +53,36 @@ pub struct Tools<'a> {
 pub struct Group {
     /// Name of the group and of its folder.
     pub name: &'static str,
-    /// Names of the items.
-    items: fn() -> Vec<&'static str>,
-    /// Makes one item, or all of them.
-    make: fn(Option<&str>, &Folders, &mut Tools<'_>) -> Result<Vec<PathBuf>>,
+    items: Items,
+}
+
+/// The items of a group.
+#[derive(Clone, Copy)]
+enum Items {
+    /// Items that are made one by one, by name, in the order in which they are made.
+    Listed(&'static [(&'static str, Make)]),
+    /// Items that are made together: their names, and the function that makes one of them or all.
+    Together {
+        names: fn() -> Vec<&'static str>,
+        make: fn(Option<&str>, &Folders, &mut Tools<'_>) -> Result<Vec<PathBuf>>,
+    },
 }
 
 impl Group {
     /// Names of the items, in the order in which they are made.
     pub fn items(&self) -> Vec<&'static str> {
-        (self.items)()
+        match self.items {
+            Items::Listed(items) => items.iter().map(|(name, _)| *name).collect(),
+            Items::Together { names, .. } => names(),
+        }
+    }
+
+    /// Makes one item, or all of them.
+    fn make(&self, item: Option<&str>, folders: &Folders, tools: &mut Tools<'_>) -> Result<Vec<PathBuf>> {
+        match self.items {
+            Items::Listed(items) => make_items(self.name, items, item, folders, tools),
+            Items::Together { make, .. } => make(item, folders, tools),
+        }
     }
 }
 
@@ -84,7 +106,7 @@ pub fn reproduce(name: &str, folders: &Folders, tools: &mut Tools<'_>) -> Result
         None => (name, None),
     };
     match GROUPS.iter().find(|known| known.name == group) {
-        Some(known) => (known.make)(item, folders, tools),
+        Some(known) => known.make(item, folders, tools),
         None => {
             bail!("reproduce: unknown group `{group}`{}", name_hint(group, GROUPS.iter().map(|g| g.name)))
         }

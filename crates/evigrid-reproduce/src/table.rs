@@ -1,6 +1,7 @@
 //! Tables as CSV.
 
 use anyhow::Result;
+use evigrid_metrics::Counts;
 
 /// The text of a table.
 pub fn csv_text<R>(header: &[&str], rows: impl IntoIterator<Item = R>) -> Result<String>
@@ -23,4 +24,14 @@ pub fn cell(value: f64) -> String {
 /// A number with so many digits behind the point; nothing where there is none.
 pub fn rounded(value: f64, digits: usize) -> String {
     if value.is_nan() { String::new() } else { format!("{value:.digits$}") }
+}
+
+/// Names of the columns of [`score_cells`].
+pub const SCORE_COLUMNS: [&str; 6] = ["hits", "mistakes", "missed", "precision", "recall", "f1"];
+
+/// The scores of a map as they stand in a table.
+pub fn score_cells(counts: &Counts) -> [String; 6] {
+    let [precision, recall, f1] = [counts.precision(), counts.recall(), counts.f1()].map(|v| rounded(v, 4));
+    let (hits, mistakes, missed) = (counts.hits, counts.mistakes, counts.missed());
+    [hits.to_string(), mistakes.to_string(), missed.to_string(), precision, recall, f1]
 }

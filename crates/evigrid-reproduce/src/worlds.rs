@@ -13,7 +13,7 @@ use evigrid_synth::{LeftViewTruth, SyntheticSequence, World};
 use crate::difficulty::{CheckedMatcher, Difficulty};
 use crate::picture::stereo_panels;
 use crate::safety_maps::safety_maps;
-use crate::{Folders, Group, write_file};
+use crate::{Folders, Group, Items, write_file};
 
 /// One line of the table.
 struct Row {
@@ -43,8 +43,10 @@ const REAL: [(&str, &str, &[usize]); 2] = [
 /// The group of the built-in worlds.
 pub const GROUP: Group = Group {
     name: "worlds",
-    items: || World::builtin_names().collect(),
-    make: |item, folders, tools| reproduce(item, folders, tools.report),
+    items: Items::Together {
+        names: || World::builtin_names().collect(),
+        make: |item, folders, tools| reproduce(item, folders, tools.report),
+    },
 };
 
 fn reproduce(item: Option<&str>, folders: &Folders, report: &mut dyn FnMut(&str)) -> Result<Vec<PathBuf>> {

@@ -55,18 +55,8 @@ fn fig1_has_the_known_values() {
         assert_eq!(number(&rows[cell - 1], "cell"), cell as f64);
         number(&rows[cell - 1], "p")
     };
-    let expected = [
-        (12, 0.028629),
-        (14, 0.136658),
-        (16, 0.333614),
-        (17, 0.421502),
-        (18, 0.478130),
-        (19, 0.503306),
-        (20, 0.508414),
-        (21, 0.505860),
-        (22, 0.502713),
-    ];
-    for (cell, value) in expected {
+    // In front of the measurement, at it, and behind it; evigrid-cost-curve's tests hold the cells between.
+    for (cell, value) in [(12, 0.028629), (17, 0.421502), (20, 0.508414), (22, 0.502713)] {
         assert!((p(cell) - value).abs() < 1e-6, "cell {cell}: {}", p(cell));
     }
     assert!((1..=40).all(|cell| p(cell) <= p(20)) && p(1) < 1e-6 && (p(40) - 0.5).abs() < 1e-6);

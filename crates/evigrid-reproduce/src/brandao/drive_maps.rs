@@ -10,7 +10,7 @@ use super::top_view::TopView;
 use crate::chart::Sheet;
 use crate::drive::{self, Drive};
 use crate::job::Job;
-use crate::table::rounded;
+use crate::table::{SCORE_COLUMNS, score_cells};
 
 /// A map of the drive.
 struct DriveMap {
@@ -33,19 +33,7 @@ pub fn fig9(job: &mut Job<'_, '_>) -> Result<()> {
 fn make(job: &mut Job<'_, '_>, readings: &[Reading], title: &str) -> Result<()> {
     let drive = drive::require(job)?;
     let (id, maps) = drive_maps(job, &drive, readings)?;
-    let header = [
-        "dataset",
-        "frames",
-        "map",
-        "settings",
-        "hits",
-        "mistakes",
-        "missed",
-        "precision",
-        "recall",
-        "f1",
-        "paper",
-    ];
+    let header = [&["dataset", "frames", "map", "settings"][..], &SCORE_COLUMNS, &["paper"]].concat();
     job.write_table(&header, maps.iter().map(|map| row(map, &id, &drive.frames)))?;
     let end_m = maps.iter().map(|map| map.view.end_m()).fold(1.0, f64::max);
     job.write_picture(&Sheet {
@@ -98,22 +86,12 @@ fn drive_maps(job: &mut Job<'_, '_>, drive: &Drive, readings: &[Reading]) -> Res
     Ok((id, maps.map(|(reading, (counts, view))| DriveMap { reading, counts, view }).collect()))
 }
 
-fn row(map: &DriveMap, id: &str, frames: &str) -> [String; 11] {
-    let counts = &map.counts;
-    let [precision, recall, f1] = [counts.precision(), counts.recall(), counts.f1()].map(|v| rounded(v, 4));
-    [
-        id.to_owned(),
-        frames.to_owned(),
-        map.reading.name.clone(),
-        map.reading.sets.join(" "),
-        counts.hits.to_string(),
-        counts.mistakes.to_string(),
-        counts.missed().to_string(),
-        precision,
-        recall,
-        f1,
-        map.reading.paper.to_owned(),
-    ]
+fn row(map: &DriveMap, id: &str, frames: &str) -> Vec<String> {
+    let reading = &map.reading;
+    let mut row = vec![id.to_owned(), frames.to_owned(), reading.name.clone(), reading.sets.join(" ")];
+    row.extend(score_cells(&map.counts));
+    row.push(reading.paper.to_owned());
+    row
 }
 
 /// Runs the first reading of every method once more, with a recording.

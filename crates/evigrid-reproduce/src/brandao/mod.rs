@@ -19,26 +19,21 @@ mod ray;
 mod table1;
 mod top_view;
 
-use crate::Group;
-use crate::job::{Make, make_items};
+use crate::{Group, Items};
 
-/// All items, in the order of the paper. (Fig. 7 is a photograph and the laser's reference.)
-const ITEMS: [(&str, Make); 10] = [
-    ("fig1", fig1::make),
-    ("fig2", fig2::make),
-    ("fig3", fig3::make),
-    ("fig4", fig4::make),
-    ("fig5", fig5::whole_curve),
-    ("fig6", fig5::winner_take_all),
-    ("fig8", drive_maps::fig8),
-    ("fig9", drive_maps::fig9),
-    ("fig10", fig10::make),
-    ("table1", table1::make),
-];
-
-/// The group of this paper.
+/// The group of this paper, in its order. (Fig. 7 is a photograph and the laser's reference.)
 pub const GROUP: Group = Group {
     name: "brandao",
-    items: || ITEMS.iter().map(|(name, _)| *name).collect(),
-    make: |item, folders, tools| make_items("brandao", &ITEMS, item, folders, tools),
+    items: Items::Listed(&[
+        ("fig1", fig1::make),
+        ("fig2", fig2::make),
+        ("fig3", fig3::make),
+        ("fig4", fig4::make),
+        ("fig5", fig5::whole_curve),
+        ("fig6", fig5::winner_take_all),
+        ("fig8", drive_maps::fig8),
+        ("fig9", drive_maps::fig9),
+        ("fig10", fig10::make),
+        ("table1", table1::make),
+    ]),
 };

@@ -14,21 +14,16 @@ mod motion_picture;
 mod motion_sweep;
 mod robot;
 
-use crate::Group;
-use crate::job::{Make, make_items};
+use crate::{Group, Items};
 
-/// All items. (Figs 2 to 6 and 8 are sketches and photographs.)
-const ITEMS: [(&str, Make); 5] = [
-    ("fig1", fig1::make),
-    ("fig7", fig7::make),
-    ("fig9", fig9::make),
-    ("motion-error", motion_error::make),
-    ("matching", matching::make),
-];
-
-/// The group of this paper.
+/// The group of this paper. (Figs 2 to 6 and 8 are sketches and photographs.)
 pub const GROUP: Group = Group {
     name: "souza",
-    items: || ITEMS.iter().map(|(name, _)| *name).collect(),
-    make: |item, folders, tools| make_items("souza", &ITEMS, item, folders, tools),
+    items: Items::Listed(&[
+        ("fig1", fig1::make),
+        ("fig7", fig7::make),
+        ("fig9", fig9::make),
+        ("motion-error", motion_error::make),
+        ("matching", matching::make),
+    ]),
 };

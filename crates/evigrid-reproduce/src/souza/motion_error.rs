@@ -2,7 +2,6 @@
 
 use anyhow::Result;
 use evigrid_eval::{Config, Recording as Replayed};
-use evigrid_metrics::Counts;
 use evigrid_replay::Sequence;
 use evigrid_synth::{SyntheticSequence, World};
 
@@ -13,7 +12,7 @@ use super::motion_sweep::{Scored, Setting, growing_settings, settings, sweep};
 use super::robot::{DRIVES, Drive};
 use crate::drive;
 use crate::job::Job;
-use crate::table::rounded;
+use crate::table::{SCORE_COLUMNS, rounded, score_cells};
 
 /// The maps of one recording.
 pub struct Recording {
@@ -32,20 +31,8 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
         recordings.extend(robot_drive(job, drive)?);
     }
     recordings.extend(real_drive(job)?);
-    let header = [
-        "drive",
-        "poses",
-        "eps_m",
-        "eps_per_m",
-        "prior",
-        "hits",
-        "mistakes",
-        "missed",
-        "precision",
-        "recall",
-        "f1",
-        "f1_minus_that_of_eps_0",
-    ];
+    let known = ["drive", "poses", "eps_m", "eps_per_m", "prior"];
+    let header = [&known[..], &SCORE_COLUMNS, &["f1_minus_that_of_eps_0"]].concat();
     job.write_table(&header, recordings.iter().flat_map(Recording::rows))?;
     let verdicts = recordings.iter().map(Recording::verdict);
     let header = ["drive", "poses", "f1_eps_0", "best_f1", "best_eps_m", "best_eps_per_m", "gain"];
@@ -103,26 +90,13 @@ impl Recording {
         self.maps.first().map_or(f64::NAN, |map| map.counts.f1())
     }
 
-    fn rows(&self) -> impl Iterator<Item = [String; 12]> + '_ {
+    fn rows(&self) -> impl Iterator<Item = Vec<String>> + '_ {
         self.maps.iter().map(|Scored { setting, counts }| {
-            let Counts { hits, mistakes, .. } = *counts;
-            let gain = counts.f1() - self.plain_f1();
-            let [precision, recall, f1, gain] =
-                [counts.precision(), counts.recall(), counts.f1(), gain].map(|v| rounded(v, 4));
-            [
-                self.name.clone(),
-                self.poses.clone(),
-                setting.eps_m.to_string(),
-                setting.eps_per_m.to_string(),
-                setting.prior.to_string(),
-                hits.to_string(),
-                mistakes.to_string(),
-                counts.missed().to_string(),
-                precision,
-                recall,
-                f1,
-                gain,
-            ]
+            let mut row = vec![self.name.clone(), self.poses.clone()];
+            row.extend([setting.eps_m, setting.eps_per_m, setting.prior].map(|v| v.to_string()));
+            row.extend(score_cells(counts));
+            row.push(rounded(counts.f1() - self.plain_f1(), 4));
+            row
         })
     }
 
