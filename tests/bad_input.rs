@@ -177,8 +177,26 @@ fn mistyped_options() {
     check_refused(&evigrid(&["run", "--datset", "x"]), none, &["--datset", "--dataset"]);
     check_refused(&evigrid(&["rum"]), none, &["rum", "run"]);
     check_refused(&evigrid(&["run", "--stride", "two"]), none, &["two", "--stride"]);
-    check_refused(&evigrid(&["score"]), none, &["MAP.npz"]);
+    check_refused(&evigrid(&["run", "--stride", "-1"]), none, &["--stride", "at least 1", "found `-1`"]);
+    check_refused(&evigrid(&["run", "--stride", "1.5"]), none, &["--stride", "whole number", "found `1.5`"]);
+    let tolerance = evigrid(&["compare", "a", "b", "--tolerance", "-1"]);
+    check_refused(&tolerance, none, &["--tolerance", "at least 0", "found `-1`"]);
+    check_refused(&evigrid(&["score"]), none, &["not provided: <MAP.npz>"]);
+    let elsewhere = evigrid(&["score", "map.npz", "--method", "line"]);
+    check_refused(&elsewhere, none, &["unexpected argument '--method' found (see --help)"]);
     assert!(evigrid(&["--help"]).status.success());
+}
+
+#[test]
+fn a_mistyped_name_is_found_before_the_work_on_the_others() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("out");
+    for (wrong, parts) in [
+        ("brando", ["`brando`", "did you mean `brandao`?"]),
+        ("andert/fig2", ["unknown item `andert/fig2`", "did you mean"]),
+    ] {
+        check_refused(&evigrid(&["reproduce", "worlds", wrong, "--out", path(&out)]), &out, &parts);
+    }
 }
 
 #[test]

@@ -48,7 +48,7 @@ pub struct InputArgs {
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     pub frames: Option<String>,
     /// Use every N-th frame [default: 1].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole_number)]
     pub stride: Option<usize>,
     /// Settings in TOML, as config.toml of an earlier run.
     #[arg(long, value_name = "FILE")]
@@ -129,7 +129,7 @@ pub struct CompareArgs {
     pub new: PathBuf,
     /// Changes that count as none: 0.005 (all rates), 2% (all counts), METRIC=0.005, METRIC=2%; METRIC=off
     /// gives no verdict; may be given many times [default: 0.002 and 1%].
-    #[arg(long = "tolerance", value_name = "[METRIC=]VALUE")]
+    #[arg(long = "tolerance", value_name = "[METRIC=]VALUE", allow_negative_numbers = true)]
     pub tolerances: Vec<ToleranceRule>,
     /// Judge time and memory too; up to PERCENT more is tolerated.
     #[arg(long, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "20%",
@@ -174,6 +174,11 @@ pub struct SynthArgs {
     /// Frames A to B, B excluded; either may be left out [default: all].
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     pub frames: Option<String>,
+}
+
+/// A count, as the command line has it.
+fn whole_number(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| format!("expected a whole number, at least 1, found `{text}`"))
 }
 
 /// The groups with their items, for the help.

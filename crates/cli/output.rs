@@ -65,8 +65,9 @@ fn written(result: io::Result<()>) -> Result<()> {
 /// Clap's message, its list of missing arguments and the tip, in one line; not the usage.
 fn usage_line(text: &str) -> String {
     let lines = text.lines().map(str::trim).take_while(|line| !ends_message(line));
-    let parts: Vec<_> = lines.filter(|line| !line.is_empty()).collect();
-    format!("{} (see --help)", parts.join("; "))
+    // Nobody who mistypes an option means to pass it as a value.
+    let parts: Vec<_> = lines.filter(|line| !line.is_empty() && !line.starts_with("tip: to pass")).collect();
+    format!("{} (see --help)", parts.join("; ").replace(":; ", ": "))
 }
 
 /// Whether a line of clap's is the first after its message and tip.

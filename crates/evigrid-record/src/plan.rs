@@ -94,8 +94,8 @@ mod tests {
         assert_eq!(classes(&plan, None), alone);
     }
 
-    /// The vehicle stands at (10, 20) and looks to the left of the map: its forward is the map's left, its left
-    /// the map's rear.
+    /// The vehicle stands at (10, 20) and looks to the left of the map: its forward is the map's left, its
+    /// left the map's rear.
     #[test]
     fn a_turned_plan_is_judged_cell_by_cell() {
         let area = PlanSpec::of_area([1.0, 4.0], [-1.0, 1.0], 1.0).unwrap();

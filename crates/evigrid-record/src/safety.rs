@@ -10,8 +10,8 @@ use crate::part::{Out, Part, Shown, Slot, Start};
 use crate::plan::plan_image;
 use crate::safety_verdict::{Verdict, verdicts};
 
-/// The safety labels of one method, and where there is a truth how they compare with it: forward to the right,
-/// left upwards, one pixel per cell.
+/// The safety labels of one method, and where there is a truth how they compare with it: forward to the
+/// right, left upwards, one pixel per cell.
 pub(crate) struct SafetyPart {
     number: usize,
     method: String,
