@@ -3,6 +3,9 @@
 use anyhow::Result;
 use evigrid_metrics::Counts;
 
+/// A column of a table: its name, and its cell in a row.
+pub type Column<T> = (&'static str, fn(&T) -> String);
+
 /// The text of a table.
 pub fn csv_text<R>(header: &[&str], rows: impl IntoIterator<Item = R>) -> Result<String>
 where

@@ -14,7 +14,7 @@ use super::methods::{self, Reading};
 use crate::chart::{Axis, BLUE, Corner, GREY, Marks, ORANGE, Panel, Series, Sheet, rectangle};
 use crate::job::Job;
 use crate::stopwatch::Stopwatch;
-use crate::table::rounded;
+use crate::table::{Column, rounded};
 
 /// An image size of the table, with the paper's seconds: matching, and the inverse model of both methods.
 #[derive(Debug, Clone, Copy)]
@@ -50,20 +50,22 @@ struct Timing {
     paper_s: f64,
 }
 
+const COLUMNS: [Column<Timing>; 9] = [
+    ("width", |t| t.size.0.to_string()),
+    ("height", |t| t.size.1.to_string()),
+    ("disparities", |t| t.disparities.to_string()),
+    ("task", |t| t.task.to_owned()),
+    ("method", |t| t.method.clone()),
+    ("threads", |t| t.threads.to_string()),
+    ("median_seconds", |t| rounded(t.seconds, 5)),
+    ("fastest_seconds", |t| rounded(t.fastest_s, 5)),
+    ("paper_seconds_one_core_of_2.7_ghz", |t| rounded(t.paper_s, 2)),
+];
+
 pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
     let timings = measure(job, &SIZES, REPETITIONS)?;
-    let header = [
-        "width",
-        "height",
-        "disparities",
-        "task",
-        "method",
-        "threads",
-        "median_seconds",
-        "fastest_seconds",
-        "paper_seconds_one_core_of_2.7_ghz",
-    ];
-    job.write_table(&header, timings.iter().map(Timing::row))?;
+    let header = COLUMNS.map(|(name, _)| name);
+    job.write_table(&header, timings.iter().map(|timing| COLUMNS.map(|(_, cell)| cell(timing))))?;
     job.write_picture(&picture(&timings))
 }
 
@@ -170,22 +172,6 @@ fn shrunk(frame: &Frame, by: usize) -> Result<Frame> {
     };
     let (left, right) = (image(frame.left())?, image(frame.right())?);
     Ok(Frame::new(frame.index(), frame.stamp_ns(), small, left, right, *frame.map_from_left(), None)?)
-}
-
-impl Timing {
-    fn row(&self) -> [String; 9] {
-        [
-            self.size.0.to_string(),
-            self.size.1.to_string(),
-            self.disparities.to_string(),
-            self.task.to_owned(),
-            self.method.clone(),
-            self.threads.to_string(),
-            rounded(self.seconds, 5),
-            rounded(self.fastest_s, 5),
-            rounded(self.paper_s, 2),
-        ]
-    }
 }
 
 fn picture(timings: &[Timing]) -> Sheet {
