@@ -131,6 +131,13 @@ impl<const D: usize> Lattice<D> {
         std::array::from_fn(|a| (point_m[a] - self.origin_m[a]) / self.cell_size_m)
     }
 
+    /// The same grid, moved by whole cells along each axis.
+    #[must_use]
+    pub fn moved(&self, cells: [i64; D]) -> Self {
+        let origin_m = std::array::from_fn(|a| self.origin_m[a] + cells[a] as f64 * self.cell_size_m);
+        Self { origin_m, ..*self }
+    }
+
     /// Flat index of the cell with these indices; `None` outside the grid.
     #[inline]
     pub fn flat(&self, cell: [i64; D]) -> Option<usize> {
@@ -175,6 +182,13 @@ impl Lattice<3> {
     pub fn new(settings: &GridSettings) -> Result<Self, GridError> {
         let extents = [('x', settings.x_m), ('y', settings.y_m), ('z', settings.z_m)];
         Self::covering(extents, settings.cell_size_m)
+    }
+
+    /// The same voxels, raised by a length in metres.
+    #[must_use]
+    pub fn raised(&self, by_m: f64) -> Self {
+        let [x, y, z] = self.origin_m;
+        Self { origin_m: [x, y, z + by_m], ..*self }
     }
 
     /// Indices (i, j, k) of the voxel with this flat index.

@@ -56,6 +56,14 @@ impl<'a> Layer<'a> {
             Self::Plan(_) | Self::Safety(_) => None,
         }
     }
+
+    /// The safety map, if this is such a layer.
+    pub fn safety(&self) -> Option<&SafetyMap> {
+        match self {
+            Self::Safety(map) => Some(map),
+            Self::Voxels(_) | Self::Plan(_) => None,
+        }
+    }
 }
 
 impl<'a> From<&'a LogOddsGrid> for Layer<'a> {

@@ -14,11 +14,14 @@ pub enum SafetyLabel {
     NonGround,
     /// No surface, or a surface too small or too thin to tell.
     Unknown,
+    /// Outside of the planning radius, so nobody has looked.
+    Unexamined,
 }
 
 impl SafetyLabel {
     /// All labels, in the order of their numbers.
-    pub const ALL: [Self; 4] = [Self::Level, Self::Inclined, Self::NonGround, Self::Unknown];
+    pub const ALL: [Self; 5] =
+        [Self::Level, Self::Inclined, Self::NonGround, Self::Unknown, Self::Unexamined];
 
     /// The name in files and tables.
     pub fn name(self) -> &'static str {
@@ -27,6 +30,7 @@ impl SafetyLabel {
             Self::Inclined => "inclined",
             Self::NonGround => "non_ground",
             Self::Unknown => "unknown",
+            Self::Unexamined => "unexamined",
         }
     }
 
@@ -35,7 +39,7 @@ impl SafetyLabel {
         match self {
             Self::Level | Self::Inclined => Some(true),
             Self::NonGround => Some(false),
-            Self::Unknown => None,
+            Self::Unknown | Self::Unexamined => None,
         }
     }
 }
@@ -56,14 +60,20 @@ pub struct SafetyMap {
     labels: Vec<SafetyLabel>,
     planes: Vec<SafetyPlane>,
     plane_of: Vec<Option<u32>>,
+    is_drop_off: Vec<bool>,
 }
 
 impl SafetyMap {
     /// A map of which nothing is known.
     pub fn unknown(spec: PlanSpec) -> Self {
+        Self::of(spec, SafetyLabel::Unknown)
+    }
+
+    /// A map of one label, without planes.
+    pub fn of(spec: PlanSpec, label: SafetyLabel) -> Self {
         let cells = spec.cell_count();
-        let (labels, plane_of) = (vec![SafetyLabel::Unknown; cells], vec![None; cells]);
-        Self { spec, labels, planes: Vec::new(), plane_of }
+        let (labels, plane_of) = (vec![label; cells], vec![None; cells]);
+        Self { spec, labels, planes: Vec::new(), plane_of, is_drop_off: vec![false; cells] }
     }
 
     /// The geometry of the cells, in the map frame.
@@ -89,6 +99,19 @@ impl SafetyMap {
     /// Number of the plane that each cell lies on, by flat index.
     pub fn plane_numbers(&self) -> &[Option<u32>] {
         &self.plane_of
+    }
+
+    /// Whether a cell may be the edge of a drop-off, by flat index.
+    pub fn drop_offs(&self) -> &[bool] {
+        &self.is_drop_off
+    }
+
+    /// Marks a cell as a potential drop-off edge.
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    pub fn mark_drop_off(&mut self, flat: usize) {
+        self.is_drop_off[flat] = true;
     }
 
     /// Adds a plane; its number.

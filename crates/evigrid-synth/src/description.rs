@@ -8,6 +8,7 @@ use toml::Spanned;
 
 use crate::SynthError;
 use crate::camera::StereoSpec;
+use crate::hazard_spec::{HazardSpec, SafeAreaSpec};
 use crate::laser::LaserSpec;
 use crate::light::LightSpec;
 use crate::material::MaterialSpec;
@@ -55,6 +56,12 @@ pub struct WorldSpec {
     pub model: BTreeMap<String, ModelSpec>,
     /// The things and single shapes of the world.
     pub object: Vec<Spanned<ObjectSpec>>,
+    /// Named places that are dangerous to the robot.
+    #[serde(default)]
+    pub hazard: Vec<HazardSpec>,
+    /// Named places that the robot may drive on.
+    #[serde(default)]
+    pub safe_area: Vec<SafeAreaSpec>,
 }
 
 impl WorldSpec {

@@ -24,6 +24,8 @@ mod description;
 mod docs_tests;
 mod error;
 mod exact;
+mod hazard_kind;
+mod hazard_spec;
 mod laser;
 mod light;
 mod material;
@@ -52,9 +54,10 @@ mod write;
 
 pub use error::SynthError;
 pub use exact::{
-    BoardView, GroundColumn, GroundPlane, GroundSurface, SafetySettings, SafetyTruth, TerrainTruth, Track,
-    VoxelState, VoxelTruth, boards, ground_planes, tracks,
+    BoardView, GroundColumn, GroundPlane, GroundSurface, Hazard, SafetySettings, SafetyTruth, TerrainTruth,
+    Track, VoxelState, VoxelTruth, boards, ground_planes, hazards, hazards_or_nothing, tracks,
 };
+pub use hazard_kind::HazardKind;
 pub use sequence::SyntheticSequence;
 pub use view_truth::{LeftViewTruth, PixelTruth};
 pub use world::World;

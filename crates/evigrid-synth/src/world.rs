@@ -8,6 +8,7 @@ use crate::SynthError;
 use crate::camera::{Camera, CameraNoiseSpec};
 use crate::contents::Contents;
 use crate::description::WorldSpec;
+use crate::hazard_spec::{NamedArea, named_areas};
 use crate::laser::Laser;
 use crate::light::Light;
 use crate::material::Material;
@@ -60,6 +61,8 @@ pub struct World {
     pub(crate) materials: Vec<Material>,
     pub(crate) contents: Contents,
     pub(crate) robot: Option<RobotSpec>,
+    /// Hazards and safe areas.
+    pub(crate) areas: Vec<NamedArea>,
     /// Exposure of each frame relative to the first.
     pub(crate) exposures: Vec<f64>,
     /// Where the exact truth on disk lies in the map frame.
@@ -116,6 +119,7 @@ impl World {
         let mut world = Self {
             text: text.to_owned(),
             truth_grid: spec.truth_grid(text)?,
+            areas: named_areas(&spec, text)?,
             seed,
             rate_hz,
             rig: spec.stereo.rig()?,

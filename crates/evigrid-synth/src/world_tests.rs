@@ -40,7 +40,7 @@ fn the_mounting_is_that_of_the_camera_on_the_vehicle() {
     let mounting = |text: &str| World::from_toml(text).unwrap().mounting();
     let turned = BOX.replace("baseline_m", "yaw_deg = 90\ntilt_deg = 30\nroll_deg = 10\nbaseline_m");
     for (text, degrees) in [(BOX, 0_f64), (&turned, 30.0)] {
-        let Mounting { height_m, pitch_rad } = mounting(text).unwrap();
+        let Mounting { height_m, pitch_rad, .. } = mounting(text).unwrap();
         assert_eq!(height_m, 1.5);
         assert!((pitch_rad - degrees.to_radians()).abs() < 1e-9, "{degrees}: {pitch_rad}");
     }

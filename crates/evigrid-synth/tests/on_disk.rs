@@ -114,6 +114,7 @@ fn the_truth_lies_beside_the_frames() {
     check_images(&truth);
     check_voxels(&truth);
     check_ground(&truth);
+    check_hazards(&truth);
     check_tables(&truth);
     let poses =
         |path: &Path| fs::read_to_string(path).unwrap().lines().map(str::to_owned).collect::<Vec<_>>();
@@ -175,6 +176,29 @@ fn check_ground(truth: &Path) {
     assert_eq!(safety.get_pixel(23 - j, 47 - i).0, [label("non_ground")]);
 }
 
+/// Each row is a cell whose pixel in the safety map tells the same.
+fn check_hazards(truth: &Path) {
+    let safety = image::open(truth.join("safety_map.png")).unwrap().into_luma8();
+    let table = fs::read_to_string(truth.join("hazards.csv")).unwrap();
+    let mut rows = table.lines();
+    assert_eq!(rows.next(), Some("name,kind,x_m,y_m"));
+    let mut cells = [0, 0];
+    for row in rows {
+        let columns: Vec<&str> = row.split(',').collect();
+        let is_safe = match columns[..2] {
+            ["board", "obstacle"] => false,
+            ["before-the-board", "safe-area"] => true,
+            _ => panic!("{row}"),
+        };
+        let [x, y] = [2, 3].map(|column| columns[column].parse::<f64>().unwrap());
+        let (i, j) = ((x / 0.25) as u32, ((y + 3.0) / 0.25) as u32);
+        assert_eq!(safety.get_pixel(23 - j, 47 - i).0[0] > 128, is_safe, "{row}");
+        cells[usize::from(is_safe)] += 1;
+    }
+    // The board is 1.5 m wide, the safe area has 1.8 square metres.
+    assert!((6..=14).contains(&cells[0]) && (26..=32).contains(&cells[1]), "{cells:?}");
+}
+
 fn check_tables(truth: &Path) {
     let rows = |name: &str| {
         let text = fs::read_to_string(truth.join(name)).unwrap();
@@ -231,6 +255,8 @@ fn what_fails_leaves_nothing_behind() {
     };
     assert_eq!(refusal(YARD, 2..9), "frames: expected at least one within 0..5, found 2..9");
     assert!(refusal(YARD, 2..2).ends_with("found 2..2"));
+    let hidden = YARD.replace("x_m = [10.8, 11.2]", "x_m = [30.0, 31.0]");
+    assert!(refusal(&hidden, 0..5).starts_with("hazard board: expected at least one unsafe cell"));
     let floating = YARD.replace("size_m = [60.0, 60.0, 1.0]", "size_m = [1.0, 1.0, 1.0]");
     assert!(
         refusal(&floating, 0..5).starts_with("robot.height_m: expected ground below the robot at frame 0")

@@ -9,6 +9,7 @@ mod boards;
 mod cylinder;
 #[cfg(test)]
 mod fixtures;
+mod hazards;
 mod placed;
 mod planes;
 mod safety;
@@ -23,6 +24,7 @@ mod tracks;
 mod voxels;
 
 pub use boards::{BoardView, boards};
+pub use hazards::{Hazard, hazards, hazards_or_nothing};
 pub use planes::{GroundPlane, ground_planes};
 pub use safety::SafetyTruth;
 pub use safety_settings::SafetySettings;

@@ -3,7 +3,9 @@
 
 use std::fmt::Write;
 
-use crate::exact::{BoardView, GroundPlane, Track};
+use evigrid_grid::PlanSpec;
+
+use crate::exact::{BoardView, GroundPlane, Hazard, Track};
 
 /// First line of boards.csv.
 pub const BOARDS_HEADING: &str = "frame,object,name,distance_m,width_m,visible_left_m,visible_both_m\n";
@@ -14,6 +16,8 @@ pub const PLANES_HEADING: &str = "object,name,normal_x,normal_y,normal_z,offset_
 /// First line of objects.csv.
 pub const OBJECTS_HEADING: &str = "frame,object,name,centre_x_m,centre_y_m,centre_z_m,yaw_deg,\
     length_x_m,length_y_m,length_z_m,velocity_x_mps,velocity_y_mps,velocity_z_mps,is_moving,ever_moves\n";
+/// First line of hazards.csv.
+pub const HAZARDS_HEADING: &str = "name,kind,x_m,y_m\n";
 
 /// The rows of a frame in boards.csv.
 pub fn boards(frame: usize, views: &[BoardView]) -> String {
@@ -47,6 +51,15 @@ pub fn objects(frame: usize, tracks: &[Track]) -> String {
     tracks.iter().map(row).collect()
 }
 
+/// The rows of hazards.csv: one for each cell.
+pub fn hazards(hazards: &[Hazard], spec: &PlanSpec) -> String {
+    let rows = |hazard: &Hazard| {
+        let before = [hazard.name.clone(), hazard.kind.name().to_owned()];
+        hazard.cells.iter().map(|&cell| row(&before, &spec.centre_m(cell), &[])).collect::<String>()
+    };
+    hazards.iter().map(rows).collect()
+}
+
 fn name(name: Option<&str>) -> String {
     name.unwrap_or_default().to_owned()
 }
@@ -68,6 +81,7 @@ fn row(before: &[String], values: &[f64], after: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::HazardKind;
     use nalgebra::{Point3, Vector3};
 
     #[test]
@@ -107,5 +121,9 @@ mod tests {
         assert!(text.starts_with("0,2,cyclist-1,1.000000,2.000000,3.000000,90.000000,1.800000,"), "{text}");
         assert!(text.ends_with(",4.000000,0.000000,1,1\n"), "{text}");
         assert_eq!(columns(&text), columns(OBJECTS_HEADING));
+        let table = Hazard { name: "desk".to_owned(), kind: HazardKind::Table, cells: vec![1, 2] };
+        let text = hazards(&[table], &PlanSpec::of_area([0.0, 2.0], [-1.0, 1.0], 1.0).unwrap());
+        assert_eq!(text, "desk,table,0.500000,0.500000\ndesk,table,1.500000,-0.500000\n");
+        assert_eq!(columns(text.lines().next().unwrap()), columns(HAZARDS_HEADING));
     }
 }

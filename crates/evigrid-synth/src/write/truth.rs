@@ -5,14 +5,16 @@ use std::ops::Range;
 use std::path::Path;
 
 use evigrid_core::Pose;
-use evigrid_grid::{GridSpec, SafetyLabel};
+use evigrid_grid::{GridSpec, SafetyLabel, SafetyMap};
 use evigrid_results::npz::NpzWriter;
 
 use super::error::WriteError;
 use super::files::{write_file, write_grey_png};
-use super::tables::{self, OBJECTS_HEADING, PLANES_HEADING};
+use super::tables::{self, HAZARDS_HEADING, OBJECTS_HEADING, PLANES_HEADING};
 use crate::World;
-use crate::exact::{SafetySettings, SafetyTruth, TerrainTruth, VoxelTruth, ground_planes, tracks};
+use crate::exact::{
+    SafetySettings, SafetyTruth, TerrainTruth, VoxelTruth, ground_planes, hazards, hazards_or_nothing, tracks,
+};
 
 /// The labels from dark to light in safety_map.png.
 const LABELS: [SafetyLabel; 4] =
@@ -99,14 +101,31 @@ fn write_safety(
     // Seen from above, forward up: the last row of cells comes first, and in it the leftmost cell.
     let pixels: Vec<u8> = truth.labels().iter().rev().map(|label| grey(*label)).collect();
     write_grey_png("safety map", &dir.join("safety_map.png"), ny, nx, &pixels)?;
-    write_file("safety map", &dir.join("safety_map.toml"), safety_table(truth.spec()).as_bytes())
+    write_file("safety map", &dir.join("safety_map.toml"), safety_table(truth.spec()).as_bytes())?;
+    write_hazards(world, first_frame, map_from_world, &truth.map(), dir)
+}
+
+fn write_hazards(
+    world: &World,
+    first_frame: usize,
+    map_from_world: &Pose,
+    truth: &SafetyMap,
+    dir: &Path,
+) -> Result<(), WriteError> {
+    // The grid begins where the robot does: a drive that starts later may have left a hazard behind.
+    let hazards = match first_frame {
+        0 => hazards(world, map_from_world, truth)?,
+        _ => hazards_or_nothing(world, map_from_world, truth),
+    };
+    let rows = tables::hazards(&hazards, truth.spec());
+    write_file("hazards", &dir.join("hazards.csv"), [HAZARDS_HEADING, &rows].concat().as_bytes())
 }
 
 /// Grey level of a label in safety_map.png.
 fn grey(label: SafetyLabel) -> u8 {
     match label {
         SafetyLabel::NonGround => 0,
-        SafetyLabel::Unknown => 128,
+        SafetyLabel::Unknown | SafetyLabel::Unexamined => 128,
         SafetyLabel::Inclined => 200,
         SafetyLabel::Level => 255,
     }
