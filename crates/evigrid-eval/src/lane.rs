@@ -2,6 +2,7 @@ use anyhow::Result;
 use evigrid_core::{Frame, Matching, Mounting, View};
 use evigrid_grid::Needs;
 use evigrid_methods::Family;
+use evigrid_synth::World;
 use rayon::prelude::*;
 
 use crate::Config;
@@ -26,13 +27,13 @@ struct LaneFamily {
 }
 
 impl Lane {
-    /// A lane without maps.
+    /// A lane without maps, on a recording of a world if it is synthetic.
     ///
     /// # Errors
-    /// If a setting of the matcher is outside its domain.
-    pub fn new(config: &Config, mounting: Option<Mounting>) -> Result<Self> {
+    /// As [`MatchSource::new`].
+    pub fn new(config: &Config, mounting: Option<Mounting>, world: Option<&World>) -> Result<Self> {
         let (needs, families) = (Needs::NOTHING, Vec::new());
-        Ok(Self { source: MatchSource::new(config)?, mounting, needs, families, matching: None })
+        Ok(Self { source: MatchSource::new(config, world)?, mounting, needs, families, matching: None })
     }
 
     /// Adds a family of maps whose first one belongs to the entrant `first`; its number.

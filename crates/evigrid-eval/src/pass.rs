@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use evigrid_core::{Frame, Matching};
 use evigrid_grid::{Layer, LayerKind, Needs};
 use evigrid_methods::Family;
-use evigrid_metrics::Scores;
+use evigrid_metrics::{SafetyCase, Scores};
 use evigrid_results::{MethodResult, RunResult, StageTime};
 
 use crate::lane::Lane;
@@ -48,8 +48,8 @@ impl<'a> Entrant<'a> {
     }
 
     /// An empty lane for its input and matcher.
-    fn lane(&self) -> Result<Lane> {
-        Lane::new(self.config(), self.job.mounting)
+    fn lane(&self, recording: &Recording) -> Result<Lane> {
+        Lane::new(self.config(), self.job.mounting, recording.world())
     }
 
     /// Whether two maps can be made from one matching.
@@ -65,7 +65,8 @@ impl<'a> Entrant<'a> {
         let same_ground =
             a.score.plan_band_m == b.score.plan_band_m && self.job.mounting == other.job.mounting;
         let same_kinds = self.job.shows(LayerKind::Safety) == other.job.shows(LayerKind::Safety);
-        a.grid == b.grid && a.truth == b.truth && same_ground && same_kinds
+        let same_radius = a.score.safety_radius_m == b.score.safety_radius_m;
+        a.grid == b.grid && a.truth == b.truth && same_ground && same_kinds && same_radius
     }
 
     fn same_kind(&self, other: &Self) -> bool {
@@ -103,6 +104,9 @@ pub(crate) struct Pass<'a> {
     places: Vec<Place>,
     lanes: Vec<Lane>,
     truths: Vec<Truth>,
+    /// For each entrant its safety map, counted over all frames so far; `None` while there was nothing to
+    /// count.
+    safety: Vec<Option<SafetyCase>>,
 }
 
 /// A frame that has been integrated.
@@ -123,7 +127,7 @@ impl<'a> Pass<'a> {
     pub fn new(recording: &Recording, entrants: Vec<Entrant<'a>>) -> Result<Self> {
         let mut pass = Self::without_maps(recording, entrants)?;
         for (lane, group) in groups(&pass.entrants, Entrant::same_matches).into_iter().enumerate() {
-            let mut new = pass.entrants[group[0]].lane()?;
+            let mut new = pass.entrants[group[0]].lane(recording)?;
             let members: Vec<Entrant<'a>> = group.iter().map(|&i| pass.entrants[i]).collect();
             for kind in groups(&members, Entrant::same_kind) {
                 let numbers: Vec<usize> = kind.iter().map(|&i| group[i]).collect();
@@ -137,7 +141,7 @@ impl<'a> Pass<'a> {
     /// One entrant whose map has been made already.
     pub fn ended(recording: &Recording, entrant: Entrant<'a>, family: Family) -> Result<Self> {
         let mut pass = Self::without_maps(recording, vec![entrant])?;
-        let mut lane = entrant.lane()?;
+        let mut lane = entrant.lane(recording)?;
         lane.add(family, Needs::NOTHING, 0);
         pass.lanes.push(lane);
         Ok(pass)
@@ -150,7 +154,8 @@ impl<'a> Pass<'a> {
             truths.push(Truth::new(entrants[group[0]].job, recording)?);
             group.into_iter().for_each(|i| places[i].truth = truth);
         }
-        Ok(Self { entrants, places, lanes: Vec::new(), truths })
+        let safety = vec![None; entrants.len()];
+        Ok(Self { entrants, places, lanes: Vec::new(), truths, safety })
     }
 
     /// Adds the maps of entrants of one method on one grid.
@@ -205,6 +210,27 @@ impl<'a> Pass<'a> {
             lane.integrate(frame, order, times).with_context(|| format!("frame {}", frame.index()))?;
         }
         times.stage("truth", None, || self.truths.iter_mut().for_each(|truth| truth.add(frame)));
+        (0..self.len()).try_for_each(|number| self.count_safety(number, frame))
+    }
+
+    /// Counts the safety map of an entrant against the truth. Voxels are labelled for it, so that every method
+    /// has a safety map where there is a truth for it.
+    fn count_safety(&mut self, number: usize, frame: &Frame) -> Result<()> {
+        if self.truth(number).safety().is_none() {
+            return Ok(());
+        }
+        let (entrant, layers) = (self.entrants[number], self.layers(number));
+        let own = layers.iter().find_map(Layer::safety);
+        let labelled = match (own, layers.iter().find_map(Layer::voxels), entrant.job.mounting) {
+            (None, Some(voxels), Some(mounting)) => {
+                Some(entrant.config().methods.safety_of_voxels(voxels, frame.map_from_left(), mounting)?)
+            }
+            _ => None,
+        };
+        let case = own.or(labelled.as_ref()).and_then(|map| self.truth(number).safety_case(map));
+        if let Some(case) = case {
+            self.safety[number].get_or_insert_default().add(&case);
+        }
         Ok(())
     }
 
@@ -242,7 +268,8 @@ impl<'a> Pass<'a> {
     /// Scores of an entrant's map at the end.
     pub fn method_result(&self, number: usize, layers: &[Layer<'_>]) -> MethodResult {
         let entrant = &self.entrants[number];
-        let scores = self.truth(number).final_scores(layers, &entrant.job.info.tolerances_m);
+        let tolerances_m = &entrant.job.info.tolerances_m;
+        let scores = self.truth(number).final_scores(layers, tolerances_m, self.safety[number].as_ref());
         MethodResult { method: entrant.name().to_owned(), scores }
     }
 

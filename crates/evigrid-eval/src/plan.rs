@@ -3,6 +3,7 @@ use evigrid_core::{Mounting, Pose, stable_hash};
 use evigrid_grid::{GridSpec, LayerKind};
 use evigrid_methods::{Entry, MethodSettings};
 use evigrid_results::{MethodInfo, RunInfo, SettingsText};
+use evigrid_stereo::MatcherKind;
 use evigrid_truth::TruthSource;
 
 use crate::needs::{check_matcher, mounting};
@@ -58,6 +59,12 @@ impl RunJob {
         if config.truth.source == TruthSource::Exact && recording.world().is_none() {
             bail!(
                 "truth.source: expected laser for data set {}, found exact (synthetic worlds alone know their exact truth)",
+                sequence.id
+            );
+        }
+        if config.stereo.matcher == MatcherKind::Exact && recording.world().is_none() {
+            bail!(
+                "stereo.matcher: expected another for data set {}, found exact (synthetic worlds alone know their disparities)",
                 sequence.id
             );
         }

@@ -1,9 +1,9 @@
 use std::ops::Range;
 
 use anyhow::{Context, Result};
-use evigrid_core::{Frame, Mounting};
+use evigrid_core::{Frame, Mounting, Pose};
 use evigrid_grid::{GridSpec, Layer, LayerKind, PlanGrid, SafetyMap, levels_in_band, projected};
-use evigrid_metrics::{PlanReference, Scores, VoxelReference};
+use evigrid_metrics::{PlanReference, PlanningDisc, SafetyCase, SafetyReference, Scores, VoxelReference};
 use evigrid_results::TruthFile;
 use evigrid_synth::{SafetySettings, SafetyTruth, VoxelState, VoxelTruth};
 use evigrid_truth::{LaserTruth, TruthSettings, TruthSource};
@@ -15,10 +15,40 @@ use crate::{Config, Recording};
 #[derive(Debug)]
 pub struct Truth {
     voxels: Voxels,
-    safety: Option<SafetyMap>,
+    safety: Option<SafetyReference>,
+    robot: Robot,
     /// Levels of voxels that make up the ground plan; `None` if nobody tells where the ground is.
     band: Option<Range<usize>>,
     without_laser: Vec<usize>,
+}
+
+/// The robot while frames are added: the mounting of its camera, its planning radius, and the pose of the
+/// camera at the last frame that safety maps are scored at.
+#[derive(Debug, Default)]
+struct Robot {
+    mounting: Option<Mounting>,
+    radius_m: f64,
+    last_scored: Option<Pose>,
+    has_moved: bool,
+    disc: Option<PlanningDisc>,
+}
+
+/// A robot that moves and turns by less stands still, metres and radians: its frames are not scored (Murarka
+/// and Kuipers 2009 VII-A).
+const STANDING: [f64; 2] = [1e-3, 1e-3];
+
+impl Robot {
+    fn at(&mut self, pose: &Pose) {
+        let Some(mounting) = self.mounting else { return };
+        self.has_moved = self.last_scored.is_none_or(|last| {
+            let motion_m = (last.translation.vector - pose.translation.vector).norm();
+            motion_m > STANDING[0] || last.rotation.angle_to(&pose.rotation) > STANDING[1]
+        });
+        if self.has_moved {
+            self.last_scored = Some(*pose);
+        }
+        self.disc = Some(PlanningDisc { at_m: mounting.robot_m(pose), radius_m: self.radius_m });
+    }
 }
 
 /// Where the truth of voxels comes from.
@@ -46,10 +76,12 @@ impl Truth {
                 let observed = is(VoxelState::Hidden).into_iter().map(|hidden| !hidden).collect();
                 Voxels::Exact { spec, occupied: is(VoxelState::Occupied), observed }
             }
-            _ => return Ok(Self { band, ..Self::laser(spec, config.truth)? }),
+            _ => Voxels::Laser(LaserTruth::new(spec, config.truth)?),
         };
-        let safety = exact_safety(job, recording)?;
-        Ok(Self { voxels, safety, band, without_laser: Vec::new() })
+        let safety = exact_safety(job, recording)?.map(SafetyReference::new);
+        let radius_m = config.score.safety_radius_m;
+        let robot = Robot { mounting: job.mounting, radius_m, ..Robot::default() };
+        Ok(Self { voxels, safety, robot, band, without_laser: Vec::new() })
     }
 
     /// A truth of voxels alone, from the laser scans of the frames that are added.
@@ -58,11 +90,13 @@ impl Truth {
     /// If a setting is outside its domain.
     pub fn laser(spec: GridSpec, settings: TruthSettings) -> Result<Self> {
         let voxels = Voxels::Laser(LaserTruth::new(spec, settings)?);
-        Ok(Self { voxels, safety: None, band: None, without_laser: Vec::new() })
+        let (safety, robot) = (None, Robot::default());
+        Ok(Self { voxels, safety, robot, band: None, without_laser: Vec::new() })
     }
 
-    /// Adds a frame's scan, if it has one.
+    /// Adds a frame: its scan, if it has one, and the place of the robot.
     pub fn add(&mut self, frame: &Frame) {
+        self.robot.at(frame.map_from_left());
         match (&mut self.voxels, frame.laser()) {
             (Voxels::Laser(truth), Some(scan)) => truth.add_scan(scan),
             (Voxels::Laser(_), None) => self.without_laser.push(frame.index()),
@@ -91,7 +125,14 @@ impl Truth {
 
     /// The truth of safety labels, where there is one.
     pub fn safety(&self) -> Option<&SafetyMap> {
-        self.safety.as_ref()
+        self.safety.as_ref().map(SafetyReference::map)
+    }
+
+    /// A safety map counted against the truth around the robot of the last frame; `None` without such a truth,
+    /// or if the robot has stood still.
+    pub(crate) fn safety_case(&self, found: &SafetyMap) -> Option<SafetyCase> {
+        let truth = self.safety.as_ref().filter(|_| self.robot.has_moved)?;
+        Some(SafetyCase::new(found, truth, self.robot.disc))
     }
 
     /// How many laser scans are in it.
@@ -119,10 +160,18 @@ impl Truth {
     }
 
     /// Scores of the layers of one map at the end of a run. A map without a plan of its own is projected to
-    /// one, so that all methods stand in one two-dimensional table.
-    pub(crate) fn final_scores(&self, layers: &[Layer<'_>], tolerances_m: &[f64]) -> Vec<Scores> {
-        let own = layers.iter().filter_map(|layer| self.score(layer, tolerances_m, Scores::voxels_at_end));
+    /// one, so that all methods stand in one two-dimensional table. Those of the safety map are the sums over
+    /// all frames, `safety`.
+    pub(crate) fn final_scores(
+        &self,
+        layers: &[Layer<'_>],
+        tolerances_m: &[f64],
+        safety: Option<&SafetyCase>,
+    ) -> Vec<Scores> {
+        let others = layers.iter().filter(|layer| layer.kind() != LayerKind::Safety);
+        let own = others.filter_map(|layer| self.score(layer, tolerances_m, Scores::voxels_at_end));
         let mut scores: Vec<Scores> = own.collect();
+        scores.extend(safety.map(Scores::safety));
         let has_plan = layers.iter().any(|layer| layer.kind() == LayerKind::Plan);
         let voxels = layers.iter().find_map(Layer::voxels);
         if let (false, Some(map), Some(levels)) = (has_plan, voxels, self.band.clone()) {
@@ -135,7 +184,10 @@ impl Truth {
         match layer {
             Layer::Voxels(map) => Some(of_voxels(map.values(), &self.voxels()?, tolerances_m)),
             Layer::Plan(plan) => self.plan_scores(plan),
-            Layer::Safety(map) => Some(Scores::safety(map, self.safety()?)),
+            Layer::Safety(map) => {
+                let truth = self.safety.as_ref()?;
+                Some(Scores::safety(&SafetyCase::new(map, truth, self.robot.disc)))
+            }
         }
     }
 

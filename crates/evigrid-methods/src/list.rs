@@ -2,6 +2,7 @@
 
 use evigrid_cost_curve::{CostCurve, CostCurveBayes, WinnerTakeAll};
 use evigrid_inverse_model::{Line, LinePyramid, Ray, RayPyramid, Souza};
+use evigrid_safety_map::{SafetyMapping, SafetyMappingPlus};
 
 use crate::Entry;
 
@@ -15,4 +16,6 @@ pub(crate) const BUILT_IN: &[Entry] = &[
     Entry::of::<Ray>(),
     Entry::of::<RayPyramid>(),
     Entry::of::<Souza>(),
+    Entry::of::<SafetyMapping>(),
+    Entry::of::<SafetyMappingPlus>(),
 ];

@@ -1,6 +1,8 @@
 use std::collections::BTreeMap;
 
-use evigrid_grid::Method;
+use evigrid_core::{Mounting, Pose};
+use evigrid_grid::{LogOddsGrid, Method, SafetyMap};
+use evigrid_safety_map::{Robot, SafetyMapping, label_voxels};
 use toml::{Table, Value};
 
 use crate::entry::{of_section, parse};
@@ -42,6 +44,20 @@ impl MethodSettings {
     /// If another type has registered under its name.
     pub fn of<M: Method>(&self) -> Result<M::Settings, MethodError> {
         self.tables.get(M::NAME).map_or_else(|| Ok(M::Settings::default()), parse::<M>)
+    }
+
+    /// The safety map of a map of voxels around the robot, by the rules and settings of `safety-map`.
+    ///
+    /// # Errors
+    /// If another type has registered under the name of that method.
+    pub fn safety_of_voxels(
+        &self,
+        voxels: &LogOddsGrid,
+        map_from_left: &Pose,
+        mounting: Mounting,
+    ) -> Result<SafetyMap, MethodError> {
+        let settings = self.of::<SafetyMapping>()?;
+        Ok(label_voxels(voxels, &Robot::below(map_from_left, mounting), &settings))
     }
 
     /// Takes the sections of methods out of a table of all settings, and the settings from them.

@@ -4,6 +4,7 @@
 //! occupied if its log-odds exceed a threshold (0, that is P > 0.5, unless said otherwise); a cell that was
 //! never touched is not occupied.
 
+mod base_rows;
 mod counts;
 mod curve;
 mod markdown;
@@ -23,7 +24,7 @@ pub use matching::MatchingScores;
 pub use metric::{Better, Kind, Metric, Of, Show, Tolerance, family, main_metric, metric_of};
 pub use plan::{PlanCase, PlanCell, PlanCounts};
 pub use reference::{PlanReference, PlanState, VoxelReference};
-pub use safety::{SafetyCase, SafetyCounts};
+pub use safety::{PlaneErrors, PlanningDisc, SafetyCase, SafetyCounts, SafetyReference};
 pub use scores::{Score, Scores};
 pub use table::METRICS;
 pub use tolerance::{Tolerant, within_tolerance};

@@ -16,7 +16,7 @@ pub enum Better {
 /// Way in which a metric is written, and in which tolerances without a name apply to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// A share, 0..1.
+    /// A share, 0..1, or a mean.
     Rate,
     /// Whole cells.
     Count,
@@ -68,8 +68,8 @@ pub enum Of {
     VoxelsAtEnd(fn(&VoxelCase<'_>, &Curve) -> f64),
     /// From a ground plan.
     Plan(fn(&PlanCase<'_>) -> f64),
-    /// From a safety map.
-    Safety(fn(&SafetyCase<'_>) -> f64),
+    /// From a safety map after a frame, and from the sums over all frames at the end of a run.
+    Safety(fn(&SafetyCase) -> f64),
     /// Measured by the loop of a run.
     Run,
 }

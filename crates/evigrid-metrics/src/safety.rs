@@ -1,16 +1,88 @@
-use evigrid_grid::{SafetyLabel, SafetyMap};
+use evigrid_grid::{PlanSpec, SafetyLabel, SafetyMap, SafetyPlane};
 
 use crate::ratio;
 
-/// A safety map with the true one, and the counts that its metrics are made of.
-#[derive(Debug, Clone, Copy)]
-pub struct SafetyCase<'a> {
-    /// The map.
-    pub found: &'a SafetyMap,
-    /// The true map; its cells may be others.
-    pub truth: &'a SafetyMap,
-    /// Cells of the true map counted by what both say of them.
-    pub counts: SafetyCounts,
+/// A true safety map, with the cells next to a border between safe and unsafe ones.
+#[derive(Debug, Clone)]
+pub struct SafetyReference {
+    map: SafetyMap,
+    is_at_border: Vec<bool>,
+}
+
+impl SafetyReference {
+    /// The reference of a true map.
+    pub fn new(map: SafetyMap) -> Self {
+        let is_at_border = (0..map.labels().len()).map(|cell| is_at_border(&map, cell)).collect();
+        Self { map, is_at_border }
+    }
+
+    /// The true map.
+    pub fn map(&self) -> &SafetyMap {
+        &self.map
+    }
+
+    /// Whether a neighbour of a cell is unsafe and the cell safe, or the other way round. A laser map that was
+    /// annotated by hand could not resolve such cells.
+    pub fn is_at_border(&self, flat: usize) -> bool {
+        self.is_at_border[flat]
+    }
+}
+
+fn is_at_border(map: &SafetyMap, flat: usize) -> bool {
+    let own = map.labels()[flat].is_safe();
+    let ([i, j], mut around) = (map.spec().cell(flat), (0..9).map(|n| [n / 3 - 1, n % 3 - 1]));
+    own.is_some()
+        && around.any(|[di, dj]| {
+            let neighbour = map.spec().flat([i as i64 + di, j as i64 + dj]);
+            let other = neighbour.and_then(|neighbour| map.labels()[neighbour].is_safe());
+            other.is_some_and(|other| Some(other) != own)
+        })
+}
+
+/// The part of a plan that a safety map is asked about: a disc around the robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlanningDisc {
+    /// The robot's place in the map frame, metres.
+    pub at_m: [f64; 2],
+    /// The planning radius, metres.
+    pub radius_m: f64,
+}
+
+impl PlanningDisc {
+    /// Whether the centre of a cell lies within, the radius itself included.
+    pub fn contains(&self, spec: &PlanSpec, flat: usize) -> bool {
+        let [x, y] = spec.centre_m(flat);
+        let [dx, dy] = [x - self.at_m[0], y - self.at_m[1]];
+        dx * dx + dy * dy <= self.radius_m * self.radius_m + 1e-9
+    }
+}
+
+/// A safety map counted against the true one, after one frame or summed over frames.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SafetyCase {
+    /// All cells in reach that the truth classifies.
+    pub strict: SafetyCounts,
+    /// Those of them that are not next to a border between safe and unsafe cells.
+    pub beside_borders: SafetyCounts,
+    /// Truly inclined cells that the map classifies.
+    pub inclined: usize,
+    /// Those of them that are inclined in the map too.
+    pub inclined_found: usize,
+    /// Planes of safe ground on truly level ground.
+    pub level_planes: PlaneErrors,
+    /// Planes of safe ground on truly inclined ground.
+    pub inclined_planes: PlaneErrors,
+}
+
+/// Sums of the errors of planes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PlaneErrors {
+    /// Number of planes.
+    pub count: usize,
+    /// Sum of the angles between found and true normals, degrees.
+    pub angle_deg: f64,
+    /// Sum of the mean distances of the found planes from the true ones, metres.
+    pub distance_m: f64,
 }
 
 /// Cells that the true map classifies, counted by what the found map says of them. Positive means unsafe
@@ -31,21 +103,140 @@ pub struct SafetyCounts {
     pub unclassified_unsafe: usize,
 }
 
-impl<'a> SafetyCase<'a> {
-    /// Looks up every cell of the true map in the found one by its centre.
-    pub fn new(found: &'a SafetyMap, truth: &'a SafetyMap) -> Self {
-        let mut counts = SafetyCounts::default();
-        for (flat, label) in truth.labels().iter().enumerate() {
+impl SafetyCase {
+    /// Looks up every cell of the true map in the found one by its centre; `disc` is the part that counts, all
+    /// of it if none.
+    pub fn new(found: &SafetyMap, truth: &SafetyReference, disc: Option<PlanningDisc>) -> Self {
+        let (mut case, map) = (Self::default(), truth.map());
+        let mut planes = PlanePairs::new(found, map);
+        for (flat, label) in map.labels().iter().enumerate() {
             let Some(safe) = label.is_safe() else { continue };
-            let cell = found.spec().cell_of(truth.spec().centre_m(flat));
-            let found = cell.map_or(SafetyLabel::Unknown, |cell| found.labels()[cell]);
-            *counts.of(safe, found.is_safe()) += 1;
+            if !disc.is_none_or(|disc| disc.contains(map.spec(), flat)) {
+                continue;
+            }
+            let cell = found.spec().cell_of(map.spec().centre_m(flat));
+            let known = cell.map_or(SafetyLabel::Unknown, |cell| found.labels()[cell]);
+            *case.strict.of(safe, known.is_safe()) += 1;
+            if !truth.is_at_border(flat) {
+                *case.beside_borders.of(safe, known.is_safe()) += 1;
+            }
+            if *label == SafetyLabel::Inclined && known.is_safe().is_some() {
+                case.inclined += 1;
+                case.inclined_found += usize::from(known == SafetyLabel::Inclined);
+            }
+            if let Some(cell) = cell.filter(|_| known.is_safe() == Some(true)) {
+                planes.add(cell, flat);
+            }
         }
-        Self { found, truth, counts }
+        planes.judge(&mut case);
+        case
+    }
+
+    /// Adds the counts of another frame.
+    pub fn add(&mut self, other: &Self) {
+        self.strict.add(&other.strict);
+        self.beside_borders.add(&other.beside_borders);
+        self.inclined += other.inclined;
+        self.inclined_found += other.inclined_found;
+        self.level_planes.add(&other.level_planes);
+        self.inclined_planes.add(&other.inclined_planes);
+    }
+
+    /// Share of the truly inclined cells that the map classifies which are inclined in it; NaN if it
+    /// classifies none.
+    pub fn inclined_rate(&self) -> f64 {
+        ratio(self.inclined_found, self.inclined)
+    }
+
+    /// The errors of all planes.
+    pub fn planes(&self) -> PlaneErrors {
+        let mut all = self.level_planes;
+        all.add(&self.inclined_planes);
+        all
     }
 }
 
+impl PlaneErrors {
+    fn add(&mut self, other: &Self) {
+        self.count += other.count;
+        self.angle_deg += other.angle_deg;
+        self.distance_m += other.distance_m;
+    }
+
+    /// Mean angle between found and true normals, degrees; NaN without planes.
+    pub fn mean_angle_deg(&self) -> f64 {
+        self.angle_deg / self.count as f64
+    }
+
+    /// Mean distance of found planes from true ones, centimetres; NaN without planes.
+    pub fn mean_distance_cm(&self) -> f64 {
+        100.0 * self.distance_m / self.count as f64
+    }
+}
+
+/// The cells of the planes of safe ground, with the true planes below them.
+struct PlanePairs<'a> {
+    found: &'a SafetyMap,
+    truth: &'a SafetyMap,
+    /// For each found plane its cells, in both maps.
+    cells: Vec<Vec<[usize; 2]>>,
+}
+
+impl<'a> PlanePairs<'a> {
+    fn new(found: &'a SafetyMap, truth: &'a SafetyMap) -> Self {
+        Self { found, truth, cells: vec![Vec::new(); found.planes().len()] }
+    }
+
+    fn add(&mut self, found: usize, truth: usize) {
+        if let Some(plane) = self.found.plane_numbers()[found] {
+            self.cells[plane as usize].push([found, truth]);
+        }
+    }
+
+    /// Holds each found plane against the true plane that lies below most of its cells.
+    fn judge(&self, case: &mut SafetyCase) {
+        for (plane, cells) in self.found.planes().iter().zip(&self.cells) {
+            let Some(true_plane) = self.true_plane(cells) else { continue };
+            let slope_deg = true_plane.normal.z.clamp(-1.0, 1.0).acos().to_degrees();
+            // Level ground is exactly level in truth; the paper's limit between the two is 3 degrees.
+            let errors = if slope_deg > 3.0 { &mut case.inclined_planes } else { &mut case.level_planes };
+            errors.count += 1;
+            errors.angle_deg += plane.normal.angle(&true_plane.normal).to_degrees();
+            errors.distance_m += mean_distance_m(plane, true_plane, self.found.spec(), cells);
+        }
+    }
+
+    fn true_plane(&self, cells: &[[usize; 2]]) -> Option<&'a SafetyPlane> {
+        let mut votes = vec![0_u32; self.truth.planes().len()];
+        for plane in cells.iter().filter_map(|&[_, truth]| self.truth.plane_numbers()[truth]) {
+            votes[plane as usize] += 1;
+        }
+        let most = votes.iter().copied().max().filter(|&most| most > 0)?;
+        let number = votes.iter().position(|&count| count == most)?;
+        Some(&self.truth.planes()[number])
+    }
+}
+
+/// Mean distance of the points of a found plane over the centres of its cells from a true plane.
+fn mean_distance_m(found: &SafetyPlane, truth: &SafetyPlane, spec: &PlanSpec, cells: &[[usize; 2]]) -> f64 {
+    let distance = |&[cell, _]: &[usize; 2]| {
+        let [x, y] = spec.centre_m(cell);
+        let z = (found.offset_m - found.normal.x * x - found.normal.y * y) / found.normal.z;
+        (truth.normal.x * x + truth.normal.y * y + truth.normal.z * z - truth.offset_m).abs()
+    };
+    cells.iter().map(distance).sum::<f64>() / cells.len() as f64
+}
+
 impl SafetyCounts {
+    fn add(&mut self, other: &Self) {
+        self.true_positives += other.true_positives;
+        self.false_positives += other.false_positives;
+        self.true_negatives += other.true_negatives;
+        self.false_negatives += other.false_negatives;
+        self.unclassified_safe += other.unclassified_safe;
+        self.unclassified_unsafe += other.unclassified_unsafe;
+    }
+
     /// The count of cells that are safe or not in truth, and in the map (`None`: not classified there).
     fn of(&mut self, safe: bool, found: Option<bool>) -> &mut usize {
         match (safe, found) {

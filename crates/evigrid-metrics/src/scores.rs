@@ -1,4 +1,4 @@
-use evigrid_grid::{LayerKind, PlanGrid, SafetyMap};
+use evigrid_grid::{LayerKind, PlanGrid};
 
 use crate::{
     Curve, Kind, METRICS, Metric, Of, PlanCase, PlanReference, SafetyCase, Show, VoxelCase, VoxelReference,
@@ -105,11 +105,10 @@ impl Scores {
         })
     }
 
-    /// Scores a safety map against the true one, over the cells that the true one classifies.
-    pub fn safety(found: &SafetyMap, truth: &SafetyMap) -> Self {
-        let case = SafetyCase::new(found, truth);
+    /// Scores of a safety map that was counted against the true one, after a frame or over all of them.
+    pub fn safety(case: &SafetyCase) -> Self {
         Self::of_case(LayerKind::Safety, |of| match of {
-            Of::Safety(f) => Some(f(&case)),
+            Of::Safety(f) => Some(f(case)),
             _ => None,
         })
     }

@@ -1,44 +1,5 @@
-use crate::metric::{Better, Kind, Metric, Of, Show, Tolerance};
-
-/// A rate that is better when it is higher. Runs repeat to the last digit, so the tolerance is not for noise:
-/// 0.002 is what is too little to care about.
-const RATE: Metric = Metric {
-    name: "",
-    kind: Kind::Rate,
-    unit: "0..1",
-    better: Better::Higher,
-    tolerance: Tolerance { amount: 0.002, share: 0.0 },
-    judged: true,
-    formula: "",
-    show: Show::No,
-    of: Of::Run,
-};
-
-/// A rate that is better when it is lower.
-const ERROR_RATE: Metric = Metric { better: Better::Lower, ..RATE };
-
-/// A count that says again what the rates say, so it is not judged.
-const COUNT: Metric = Metric {
-    kind: Kind::Count,
-    unit: "cells",
-    better: Better::Lower,
-    tolerance: Tolerance { amount: 0.0, share: 0.01 },
-    judged: false,
-    ..RATE
-};
-
-/// Cells of the reference. Not every machine rounds a synthetic world alike, so a thousandth may differ.
-const REFERENCE: Metric = Metric {
-    kind: Kind::Reference,
-    better: Better::Neither,
-    tolerance: Tolerance { amount: 0.0, share: 0.001 },
-    ..COUNT
-};
-
-/// Time of one stage of a frame: not judged and better when it is lower, as a count. A clock is off by half a
-/// millisecond on its own.
-const TIME: Metric =
-    Metric { kind: Kind::Cost, unit: "ms", tolerance: Tolerance { amount: 0.5, share: 0.2 }, ..COUNT };
+use crate::base_rows::{COUNT, ERROR_RATE, RATE, REFERENCE, TIME};
+use crate::metric::{Better, Metric, Of, Show, Tolerance};
 
 /// Every metric of the program, in the order of the columns. A row here is all that a metric takes.
 pub const METRICS: &[Metric] = &[
@@ -221,30 +182,77 @@ pub const METRICS: &[Metric] = &[
         name: "safety_fn_rate",
         formula: "FN / (FN + TP): of the unsafe cells that the map classifies, those taken for safe",
         show: Show::Sweep("unsafe taken for safe"),
-        of: Of::Safety(|c| c.counts.false_negative_rate()),
+        of: Of::Safety(|c| c.strict.false_negative_rate()),
         ..ERROR_RATE
     },
     Metric {
         name: "safety_fp_rate",
         formula: "FP / (FP + TN): of the safe cells that the map classifies, those taken for unsafe",
         show: Show::Sweep("safe taken for unsafe"),
-        of: Of::Safety(|c| c.counts.false_positive_rate()),
+        of: Of::Safety(|c| c.strict.false_positive_rate()),
         ..ERROR_RATE
     },
     Metric {
         name: "safety_unclassified",
-        formula: "share of the cells that the truth classifies and the map does not",
+        formula: "share of the cells in reach that the truth classifies and the map does not",
         show: Show::Sweep("unclassified"),
-        of: Of::Safety(|c| c.counts.unclassified_rate()),
+        of: Of::Safety(|c| c.strict.unclassified_rate()),
         ..ERROR_RATE
     },
     // The main one: both rates above are perfect for a map that classifies next to nothing, this one is not.
     Metric {
         name: "safety_unsafe_found",
-        formula: "TP / all unsafe cells of the truth",
+        formula: "TP / all unsafe cells of the truth in reach",
         show: Show::Main("unsafe found"),
-        of: Of::Safety(|c| c.counts.unsafe_found()),
+        of: Of::Safety(|c| c.strict.unsafe_found()),
         ..RATE
+    },
+    Metric {
+        name: "safety_fn_rate_off_borders",
+        formula: "safety_fn_rate without cells next to a border between truly safe and unsafe ones",
+        show: Show::Table("unsafe taken for safe, off borders"),
+        of: Of::Safety(|c| c.beside_borders.false_negative_rate()),
+        ..ERROR_RATE
+    },
+    Metric {
+        name: "safety_fp_rate_off_borders",
+        formula: "safety_fp_rate without cells next to a border between truly safe and unsafe ones",
+        show: Show::Table("safe taken for unsafe, off borders"),
+        of: Of::Safety(|c| c.beside_borders.false_positive_rate()),
+        ..ERROR_RATE
+    },
+    Metric {
+        name: "safety_inclined_found",
+        formula: "of the truly inclined cells that the map classifies, those inclined in the map",
+        show: Show::Table("inclined found"),
+        of: Of::Safety(|c| c.inclined_rate()),
+        ..RATE
+    },
+    Metric {
+        name: "safety_plane_angle_deg",
+        unit: "deg",
+        tolerance: Tolerance { amount: 0.05, share: 0.0 },
+        formula: "mean angle between the normal of a safe plane and that of the true plane below most of its cells",
+        show: Show::Table("planes, deg"),
+        of: Of::Safety(|c| c.planes().mean_angle_deg()),
+        ..ERROR_RATE
+    },
+    Metric {
+        name: "safety_plane_distance_cm",
+        unit: "cm",
+        tolerance: Tolerance { amount: 0.05, share: 0.0 },
+        formula: "mean distance of a safe plane, at the centres of its cells, from the true plane below most of them",
+        show: Show::Table("planes, cm"),
+        of: Of::Safety(|c| c.planes().mean_distance_cm()),
+        ..ERROR_RATE
+    },
+    Metric {
+        name: "safety_inclined_plane_angle_deg",
+        unit: "deg",
+        tolerance: Tolerance { amount: 0.05, share: 0.0 },
+        formula: "safety_plane_angle_deg over truly inclined planes",
+        of: Of::Safety(|c| c.inclined_planes.mean_angle_deg()),
+        ..ERROR_RATE
     },
     Metric { name: "read_ms", formula: "decoding a frame", ..TIME },
     Metric { name: "match_ms", formula: "matching a frame", ..TIME },

@@ -1,9 +1,11 @@
 //! Scores of plans and safety maps against loops over all cells and against numbers worked out by hand.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-use evigrid_grid::{LayerKind, PlanGrid, PlanSpec, SafetyLabel, SafetyMap};
-use evigrid_metrics::{PlanCase, PlanReference, PlanState, Score, Scores};
-use nalgebra::{Isometry2, Vector2};
+use evigrid_grid::{LayerKind, PlanGrid, PlanSpec, SafetyLabel, SafetyMap, SafetyPlane};
+use evigrid_metrics::{
+    PlanCase, PlanReference, PlanState, PlanningDisc, SafetyCase, SafetyReference, Score, Scores,
+};
+use nalgebra::{Isometry2, Vector2, Vector3};
 use proptest::prelude::*;
 
 use PlanState::{Free, Occupied, Unknown};
@@ -130,7 +132,8 @@ fn a_safety_map_by_hand() {
     let truth = safety(wide, &[NonGround, NonGround, NonGround, Level, Inclined, Unknown, NonGround, Level]);
     // The map ends before the last two cells of the truth.
     let found = safety(spec(), &[NonGround, Level, Unknown, Inclined, NonGround, NonGround]);
-    let scores = Scores::safety(&found, &truth);
+    let truth = SafetyReference::new(truth);
+    let scores = Scores::safety(&SafetyCase::new(&found, &truth, None));
     let columns: Vec<String> = scores.list.iter().map(Score::column).collect();
     assert_eq!(columns, Scores::columns(LayerKind::Safety, &[], true));
     for (column, value) in [
@@ -142,7 +145,63 @@ fn a_safety_map_by_hand() {
         assert_eq!(scores.get(column), Some(value), "{column}");
     }
     assert_eq!(scores.main().unwrap().metric.name, "safety_unsafe_found");
-    let empty = Scores::safety(&SafetyMap::unknown(spec()), &truth);
+    let empty = Scores::safety(&SafetyCase::new(&SafetyMap::unknown(spec()), &truth, None));
     assert!(empty.get("safety_fn_rate").unwrap().is_nan());
     assert_eq!((empty.get("safety_unclassified"), empty.get("safety_unsafe_found")), (Some(1.0), Some(0.0)));
+}
+
+/// In a row of cells, those on either side of a step from safe to unsafe are at the border; unknown cells make
+/// none, nor do those that lie apart.
+#[test]
+fn cells_at_borders_by_hand() {
+    use SafetyLabel::{Inclined, Level, NonGround, Unknown};
+    let row = PlanSpec::of_area([0.0, 8.0], [0.0, 1.0], 1.0).unwrap();
+    let labels = [Level, Inclined, NonGround, NonGround, NonGround, Unknown, Level, Level];
+    let truth = SafetyReference::new(safety(row, &labels));
+    let at_border: Vec<usize> = (0..8).filter(|&cell| truth.is_at_border(cell)).collect();
+    assert_eq!(at_border, [1, 2]);
+    // Everything is called level: two of three unsafe cells are left beside the border.
+    let found = safety(row, &[Level; 8]);
+    let case = SafetyCase::new(&found, &truth, None);
+    assert_eq!((case.strict.false_negatives, case.beside_borders.false_negatives), (3, 2));
+    assert_eq!((case.strict.true_negatives, case.beside_borders.true_negatives), (4, 3));
+    assert_eq!((case.inclined, case.inclined_found), (1, 0));
+    // A robot at 6.5 m that plans 1 m ahead: the cells 6 and 7 count, 5 is unknown; the radius is included.
+    let disc = PlanningDisc { at_m: [6.5, 0.5], radius_m: 1.0 };
+    let mut near = SafetyCase::new(&found, &truth, Some(disc));
+    assert_eq!((near.strict.false_negatives, near.strict.true_negatives), (0, 2));
+    near.add(&case);
+    assert_eq!((near.strict.false_negatives, near.strict.true_negatives), (3, 6));
+}
+
+/// A plane one degree off and 10 cm too high, on a floor; a second one, half on the floor and mostly on a ramp.
+#[test]
+fn planes_are_held_against_the_true_plane_below_most_of_their_cells() {
+    use SafetyLabel::{Inclined, Level};
+    let tilted = |degrees: f64, offset_m: f64| {
+        let (s, c) = degrees.to_radians().sin_cos();
+        SafetyPlane { normal: Vector3::new(-s, 0.0, c), offset_m }
+    };
+    let row = PlanSpec::of_area([0.0, 6.0], [-0.5, 0.5], 1.0).unwrap();
+    let with_planes = |planes: [SafetyPlane; 2], first: usize| {
+        let mut map = SafetyMap::unknown(row);
+        let numbers = planes.map(|plane| map.add_plane(plane));
+        (0..6).for_each(|n| {
+            let (label, plane) = if n < first { (Level, numbers[0]) } else { (Inclined, numbers[1]) };
+            map.set(n, label, Some(plane));
+        });
+        map
+    };
+    let truth = SafetyReference::new(with_planes([tilted(0.0, 0.0), tilted(6.0, 0.0)], 3));
+    let found = with_planes([tilted(1.0, 0.1), tilted(6.5, 0.0)], 2);
+    let case = SafetyCase::new(&found, &truth, None);
+    assert_eq!((case.level_planes.count, case.inclined_planes.count), (1, 1));
+    assert!((case.level_planes.mean_angle_deg() - 1.0).abs() < 1e-9);
+    assert!((case.inclined_planes.mean_angle_deg() - 0.5).abs() < 1e-9);
+    // Heights of the first plane over its cells at x = 0.5 and 1.5 m, from the floor.
+    let height_m = |x: f64| (0.1 + x * 1.0_f64.to_radians().sin()) / 1.0_f64.to_radians().cos();
+    let expected_cm = 50.0 * (height_m(0.5) + height_m(1.5));
+    assert!((case.level_planes.mean_distance_cm() - expected_cm).abs() < 1e-9);
+    assert_eq!(case.planes().count, 2);
+    assert_eq!(case.inclined_rate(), 1.0);
 }

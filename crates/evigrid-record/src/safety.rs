@@ -39,7 +39,7 @@ fn colour(label: SafetyLabel) -> Rgba32 {
         SafetyLabel::Level => Rgba32::from_rgb(0, 158, 115),
         SafetyLabel::Inclined => Rgba32::from_rgb(240, 228, 66),
         SafetyLabel::NonGround => Rgba32::from_rgb(213, 94, 0),
-        SafetyLabel::Unknown => Rgba32::from_rgb(24, 26, 30),
+        SafetyLabel::Unknown | SafetyLabel::Unexamined => Rgba32::from_rgb(24, 26, 30),
     }
 }
 

@@ -88,7 +88,7 @@ impl CheckReport {
     fn mounting_line(&self) -> Option<String> {
         self.rig?;
         Some(match self.mounting {
-            Some(Mounting { height_m, pitch_rad }) => {
+            Some(Mounting { height_m, pitch_rad, .. }) => {
                 let pitch_deg = (pitch_rad.to_degrees() * 100.0).round() / 100.0;
                 format!("camera {height_m} m above the ground, pitch {pitch_deg} degrees")
             }

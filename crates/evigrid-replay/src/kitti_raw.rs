@@ -37,7 +37,7 @@ const CAMERA_KEYS: [CalibrationKey; 5] = [
 const RIGID_KEYS: [CalibrationKey; 2] = [CalibrationKey::new("R", 9), CalibrationKey::new("T", 3)];
 /// Mounting of the recording car's cameras: 1.65 m above the road (Geiger et al., IJRR 2013, Fig. 3). The
 /// pitch is nominal: the poses carry the real tilt.
-const MOUNTING: Mounting = Mounting { height_m: 1.65, pitch_rad: 0.0 };
+const MOUNTING: Mounting = Mounting::over_middle(1.65, 0.0);
 
 impl Layout {
     /// Layout of a [`KittiRaw`] drive.

@@ -114,6 +114,7 @@ pub struct Panel {
 pub enum Corner {
     UpperLeft,
     UpperRight,
+    LowerRight,
 }
 
 /// A whole picture.
@@ -188,6 +189,7 @@ impl Panel {
         let position = match corner {
             Corner::UpperLeft => SeriesLabelPosition::UpperLeft,
             Corner::UpperRight => SeriesLabelPosition::UpperRight,
+            Corner::LowerRight => SeriesLabelPosition::LowerRight,
         };
         let mut labels = chart.configure_series_labels();
         labels.position(position).background_style(WHITE.mix(0.85)).border_style(BLACK.mix(0.3));

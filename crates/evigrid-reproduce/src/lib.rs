@@ -12,6 +12,7 @@ mod difficulty;
 mod drive;
 mod image_view;
 mod job;
+mod murarka;
 mod picture;
 mod profile;
 mod safety_maps;
@@ -93,7 +94,7 @@ impl std::fmt::Debug for Group {
 }
 
 /// All groups: the one list.
-pub const GROUPS: &[Group] = &[worlds::GROUP, andert::GROUP, souza::GROUP, brandao::GROUP];
+pub const GROUPS: &[Group] = &[worlds::GROUP, andert::GROUP, souza::GROUP, brandao::GROUP, murarka::GROUP];
 
 /// Makes everything of a group, or one item of it (`GROUP/ITEM`), and names the files it wrote.
 ///

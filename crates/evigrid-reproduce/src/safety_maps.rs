@@ -41,7 +41,7 @@ fn safety_map(name: &str) -> Result<GrayImage> {
         Luma([match truth.labels()[(i * ny + j) as usize] {
             SafetyLabel::Level => 255,
             SafetyLabel::Inclined => 200,
-            SafetyLabel::Unknown => 128,
+            SafetyLabel::Unknown | SafetyLabel::Unexamined => 128,
             SafetyLabel::NonGround => 0,
         }])
     }))

@@ -31,12 +31,17 @@ const EXACT: Words = Words {
              Missed: occupied in truth alone.",
 };
 
+/// What stands instead of scores where all maps are safety maps.
+const NO_LABELS: &str = "No true safety labels came with these frames (synthetic worlds have them, with truth.source = exact): the \
+     maps are not scored.";
+
 /// The result of a run as Markdown.
 pub fn markdown_summary(info: &RunInfo, result: &RunResult) -> String {
     let words = if info.truth == "exact" { EXACT } else { LASER };
     let mut text = heading(info, result);
     if !LayerKind::ALL.into_iter().any(|kind| result.has_scores(kind)) {
-        let _ = writeln!(text, "{}", words.no_scores);
+        let only_safety = info.methods.iter().all(|method| method.layers == [LayerKind::Safety]);
+        let _ = writeln!(text, "{}", if only_safety { NO_LABELS } else { words.no_scores });
         return text;
     }
     if let Some(scores) = any_scores(result, LayerKind::Voxels) {
@@ -110,6 +115,7 @@ fn columns(scores: &Scores) -> impl Iterator<Item = &Score> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::MethodInfo;
     use crate::test_run::{info, result};
 
     const START: &str =
@@ -133,9 +139,11 @@ mod tests {
              | line | 1 | 0 | 1 | 1.000 | 0.500 | 0.667 | 0.750 |\n\
              | all | 1 | 0 | 1 | 1.000 | 0.500 | 0.667 | 0.750 |\n\n\
              ## Safety\n\n\
-             | method | unsafe taken for safe | safe taken for unsafe | unclassified | unsafe found |\n\
-             | --- | --- | --- | --- | --- |\n\
-             | all | 0.000 | NaN | 0.000 | 1.000 |\n"
+             | method | unsafe taken for safe | safe taken for unsafe | unclassified | unsafe found | \
+             unsafe taken for safe, off borders | safe taken for unsafe, off borders | inclined found | \
+             planes, deg | planes, cm |\n\
+             | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n\
+             | all | 0.000 | NaN | 0.000 | 1.000 | 0.000 | NaN | NaN | NaN | NaN |\n"
         );
         assert_eq!(markdown_summary(&info(), &result()), expected);
     }
@@ -157,5 +165,9 @@ mod tests {
         result.methods.iter_mut().for_each(|method| method.scores.clear());
         let expected = format!("{START}No laser scan came with these frames: the maps are not scored.\n");
         assert_eq!(markdown_summary(&info(), &result), expected);
+        let safety = |method: MethodInfo| MethodInfo { layers: vec![LayerKind::Safety], ..method };
+        let methods = info().methods.into_iter().map(safety).collect();
+        let text = markdown_summary(&RunInfo { methods, ..info() }, &result);
+        assert!(text.contains("No true safety labels"), "{text}");
     }
 }

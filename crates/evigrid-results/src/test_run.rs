@@ -1,7 +1,7 @@
 //! A small run for the tests.
 
 use evigrid_grid::{GridSettings, GridSpec, LayerKind, LogOddsGrid, PlanGrid, SafetyLabel, SafetyMap};
-use evigrid_metrics::{PlanReference, PlanState, Scores, VoxelReference};
+use evigrid_metrics::{PlanReference, PlanState, SafetyCase, SafetyReference, Scores, VoxelReference};
 use serde_json::json;
 
 use crate::{MethodInfo, MethodResult, RunInfo, RunResult, SettingsText};
@@ -53,6 +53,11 @@ pub const OCCUPIED: [bool; 6] = [true, false, true, false, false, false];
 /// Observed voxels of the truth.
 pub const OBSERVED: [bool; 6] = [true, true, true, true, false, false];
 
+/// Scores of the safety map against itself.
+pub fn safety_scores() -> Scores {
+    Scores::safety(&SafetyCase::new(&safety(), &SafetyReference::new(safety()), None))
+}
+
 /// Final scores: voxels of both methods, plan of both (that of `line` by projection), safety labels of the
 /// second.
 pub fn result() -> RunResult {
@@ -64,7 +69,7 @@ pub fn result() -> RunResult {
     };
     let voxels = Scores::voxels_at_end(voxels().values(), &truth, &info.tolerances_m);
     let plan = Scores::plan(&plan(), &plan_truth);
-    let safety = Scores::safety(&safety(), &safety());
+    let safety = safety_scores();
     let method = |name: &str, scores: Vec<Scores>| MethodResult { method: name.to_owned(), scores };
     RunResult {
         methods: vec![

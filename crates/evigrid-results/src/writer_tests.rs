@@ -6,7 +6,7 @@ use evigrid_metrics::{Scores, VoxelReference};
 use serde_json::{Value, json};
 
 use crate::npz::Npz;
-use crate::test_run::{OBSERVED, OCCUPIED, info, plan, result, safety, voxels};
+use crate::test_run::{OBSERVED, OCCUPIED, info, plan, result, safety, safety_scores, voxels};
 use crate::{
     FrameRow, Kept, ResultsFolder, ResultsWriter, RunInfo, RunResult, StageTime, TruthFile, has_maps,
 };
@@ -17,8 +17,7 @@ fn write(dir: &Path, info: &RunInfo, result: &RunResult, kept: Kept) {
     let mut writer = ResultsWriter::create(&folder, info, json!({ "commit": "c0ffee" }), kept).unwrap();
     let (voxels, plan, safety) = (voxels(), plan(), safety());
     let truth = VoxelReference { spec: &info.spec, occupied: &OCCUPIED, observed: &OBSERVED };
-    let scores =
-        [Scores::voxels(voxels.values(), &truth, &info.tolerances_m), Scores::safety(&safety, &safety)];
+    let scores = [Scores::voxels(voxels.values(), &truth, &info.tolerances_m), safety_scores()];
     let frame = FrameRow {
         frame: 2,
         stamp_ns: 100_000_000,
@@ -74,8 +73,10 @@ fn tables_of_frames() {
     assert_eq!(
         read("frames.safety.csv"),
         "dataset,method,frame,stamp_ns,\
-         safety_fn_rate,safety_fp_rate,safety_unclassified,safety_unsafe_found\n\
-         yard,all,2,100000000,0.000000,,0.000000,1.000000\n"
+         safety_fn_rate,safety_fp_rate,safety_unclassified,safety_unsafe_found,\
+         safety_fn_rate_off_borders,safety_fp_rate_off_borders,safety_inclined_found,\
+         safety_plane_angle_deg,safety_plane_distance_cm,safety_inclined_plane_angle_deg\n\
+         yard,all,2,100000000,0.000000,,0.000000,1.000000,0.000000,,,,,\n"
     );
     assert!(
         read("frames.plan.csv").ends_with("plan_auc\nyard,all,2,100000000,,,,,,,\n"),
@@ -112,7 +113,8 @@ fn tables_of_final_scores() {
         )
     );
     assert!(
-        read("summary.safety.csv").ends_with("\nyard,line,2,,,,\nyard,all,2,0.000000,,0.000000,1.000000\n")
+        read("summary.safety.csv")
+            .ends_with("\nyard,line,2,,,,,,,,,,\nyard,all,2,0.000000,,0.000000,1.000000,0.000000,,,,,\n")
     );
     let curve = read("curve.line.csv");
     let lines: Vec<&str> = curve.lines().collect();

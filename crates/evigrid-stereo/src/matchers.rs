@@ -1,7 +1,7 @@
 //! The list of matchers. A new matcher adds to this file: a kind, with its name and the extras that it
 //! offers; its section of the settings, with the default and the check; and the arm that builds it.
 
-use evigrid_core::require_setting;
+use evigrid_core::{SettingError, require_setting};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -23,11 +23,14 @@ pub enum MatcherKind {
     SemiGlobal,
     /// One energy of the whole image lowered by minimum cuts, with occlusions (Kolmogorov and Zabih 2001).
     GraphCuts,
+    /// The true disparities of a synthetic world, where both cameras see the point. It looks at no image; a run
+    /// takes them from the world.
+    Exact,
 }
 
 impl MatcherKind {
     /// All matchers, in the order of the list.
-    pub const ALL: [Self; 3] = [Self::Block, Self::SemiGlobal, Self::GraphCuts];
+    pub const ALL: [Self; 4] = [Self::Block, Self::SemiGlobal, Self::GraphCuts, Self::Exact];
 
     /// Name of the matcher in settings.
     pub fn name(self) -> &'static str {
@@ -35,6 +38,7 @@ impl MatcherKind {
             Self::Block => "block",
             Self::SemiGlobal => "semi-global",
             Self::GraphCuts => "graph-cuts",
+            Self::Exact => "exact",
         }
     }
 
@@ -42,7 +46,7 @@ impl MatcherKind {
     pub fn offers(self) -> Extras {
         match self {
             Self::Block | Self::SemiGlobal => Extras { costs: true, road: false },
-            Self::GraphCuts => Extras { costs: false, road: false },
+            Self::GraphCuts | Self::Exact => Extras { costs: false, road: false },
         }
     }
 }
@@ -52,8 +56,8 @@ impl MatcherKind {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct StereoSettings {
-    /// block, semi-global or graph-cuts. Unit: none. Source: Brandao et al. IV (block); Souza et al. 4.1
-    /// (block, graph-cuts).
+    /// block, semi-global, graph-cuts or, for synthetic worlds, exact. Unit: none. Source: Brandao et al. IV
+    /// (block); Souza et al. 4.1 (block, graph-cuts).
     pub matcher: MatcherKind,
     /// Edge of the square window over which absolute differences are summed (matcher block), and of that of
     /// the texture; odd. Unit: px. Source: Brandao et al. IV (7).
@@ -159,8 +163,15 @@ impl StereoSettings {
                 Box::new(matcher.with_uniqueness(percent))
             }
             MatcherKind::GraphCuts => Box::new(GraphCutMatcher::new(self.graph_cuts, disparities)?),
+            MatcherKind::Exact => return Err(no_images().into()),
         })
     }
+}
+
+/// The error of a matcher that looks at no images.
+fn no_images() -> SettingError {
+    let expected = "a matcher of images (only a synthetic world has exact disparities)".into();
+    SettingError { section: "stereo", key: "matcher", expected, found: MatcherKind::Exact.name().into() }
 }
 
 #[cfg(test)]
@@ -168,6 +179,13 @@ mod tests {
     use super::*;
     use serde::de::IntoDeserializer;
     use serde::de::value::{Error, StrDeserializer};
+
+    #[test]
+    fn exact_disparities_are_not_made_from_images() {
+        let settings = StereoSettings { matcher: MatcherKind::Exact, ..StereoSettings::default() };
+        let error = crate::Matcher::new(settings).map(|_| ()).map_err(|e| e.to_string());
+        assert!(error.is_err_and(|e| e.contains("stereo.matcher") && e.ends_with("found exact")));
+    }
 
     #[test]
     fn names_are_those_of_the_settings() {

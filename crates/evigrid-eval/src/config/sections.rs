@@ -51,7 +51,7 @@ impl InputSettings {
         let &[height_m, pitch_deg] = &self.mounting[..] else {
             return wrong(self.mounting.is_empty()).map(|()| None);
         };
-        let mounting = Mounting { height_m, pitch_rad: pitch_deg.to_radians() };
+        let mounting = Mounting::over_middle(height_m, pitch_deg.to_radians());
         wrong(mounting.checked().is_ok()).map(|()| Some(mounting))
     }
 }
@@ -82,11 +82,14 @@ pub struct ScoreSettings {
     /// Heights over the ground, from and to, whose voxels make up the ground plan of a 3-D map. Unit: m.
     /// Source: own choice: above kerbs, below what a car passes under.
     pub plan_band_m: [f64; 2],
+    /// Planning radius: safety maps are scored in cells whose centres are at most so far from the robot. Unit:
+    /// m. Source: Murarka and Kuipers 2009, Algorithm 1 (R_max).
+    pub safety_radius_m: f64,
 }
 
 impl Default for ScoreSettings {
     fn default() -> Self {
-        Self { tolerances_m: vec![0.2, 0.4], plan_band_m: [0.3, 1.8] }
+        Self { tolerances_m: vec![0.2, 0.4], plan_band_m: [0.3, 1.8], safety_radius_m: 4.0 }
     }
 }
 
@@ -97,13 +100,16 @@ impl ScoreSettings {
     /// `Ok` if these settings are possible for cells of this size.
     ///
     /// # Errors
-    /// If a tolerance is negative or over 20 cells, or the band is empty.
+    /// If a tolerance is negative or over 20 cells, the radius is not positive, or the band is empty.
     pub fn check(&self, cell_size_m: f64) -> Result<(), SettingError> {
         let most = MAX_TOLERANCE_CELLS * cell_size_m;
         for t in &self.tolerances_m {
             let ok = *t >= 0.0 && *t <= most;
             require_setting(ok, "score", "tolerances_m", format!("metres from 0 to {most} (20 cells)"), t)?;
         }
+        let radius = self.safety_radius_m;
+        let ok = radius.is_finite() && radius > 0.0;
+        require_setting(ok, "score", "safety_radius_m", "a positive number", radius)?;
         let [from, to] = self.plan_band_m;
         let found = format!("[{from}, {to}]");
         let ok = from.is_finite() && to.is_finite() && from < to;

@@ -22,7 +22,7 @@ fn whole_recordings_are_usable() {
 #[test]
 fn the_mounting_stands_beside_the_rig() {
     let drive = check(&fixtures::kitti_raw(1).dir);
-    assert_eq!(drive.mounting, Some(Mounting { height_m: 1.65, pitch_rad: 0.0 }));
+    assert_eq!(drive.mounting, Some(Mounting::over_middle(1.65, 0.0)));
     let text = drive.to_string();
     let line = text.lines().nth(2);
     assert_eq!(line, Some("camera 1.65 m above the ground, pitch 0 degrees"), "{text}");

@@ -1,0 +1,35 @@
+//! Local safety maps: where a wheeled robot can drive, from stereo alone (Murarka and Kuipers 2009).
+//!
+//! Points of each frame go into voxels with log-odds and into a list of points per voxel; columns of voxels
+//! become segments of ground, segments become planes, and planes and their neighbourhood become labels.
+//!
+//! [`SafetyMapping`] is the method. [`label_voxels`] labels the map of any other method by the same rules.
+
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+mod beyond;
+mod columns;
+mod edges;
+mod labels;
+mod merge;
+mod method;
+mod model;
+mod neighbours;
+mod outliers;
+mod planes;
+mod points;
+mod robot;
+mod segments;
+mod settings;
+mod voxel_map;
+
+pub use columns::{Column, Columns};
+pub use labels::label_columns;
+pub use method::{SafetyMapping, SafetyMappingPlus};
+pub use model::Model;
+pub use outliers::Readings;
+pub use planes::{Moments, Plane};
+pub use robot::Robot;
+pub use segments::{Segment, Segments};
+pub use settings::{FloorPlace, SafetyMapPlusSettings, SafetyMapSettings, Spread};
+pub use voxel_map::label_voxels;

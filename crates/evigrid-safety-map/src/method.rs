@@ -1,0 +1,165 @@
+use evigrid_core::{MatchFilter, Pose, SettingError, View};
+use evigrid_grid::{GridSpec, Layer, LayerKind, MapError, Mapper, Method, Needs, SafetyLabel, SafetyMap};
+
+use crate::columns::Columns;
+use crate::labels::label_columns;
+use crate::model::{Model, floor_layer};
+use crate::outliers::Readings;
+use crate::robot::Robot;
+use crate::settings::{FloorPlace, SafetyMapPlusSettings, SafetyMapSettings};
+
+/// The mapper of Murarka and Kuipers 2009.
+#[derive(Debug)]
+pub struct SafetyMapping {
+    settings: SafetyMapSettings,
+    /// The grid of the settings, before it is placed for the floor.
+    spec: GridSpec,
+    /// The model; `None` before the first frame, which tells where the floor is.
+    model: Option<Model>,
+    /// The robot at the first frame, and the pose of the camera at the last frame that was used.
+    first: Option<Robot>,
+    last_pose: Option<Pose>,
+    readings: Readings,
+    columns: Columns,
+    map: SafetyMap,
+}
+
+impl SafetyMapping {
+    /// An empty map over a grid.
+    ///
+    /// # Errors
+    /// If a setting is outside its domain.
+    pub fn new(spec: GridSpec, settings: SafetyMapSettings) -> Result<Self, SettingError> {
+        settings.check(Self::NAME)?;
+        Ok(Self {
+            settings,
+            spec,
+            model: None,
+            first: None,
+            last_pose: None,
+            readings: Readings::default(),
+            columns: Columns::none(spec.plan()),
+            map: SafetyMap::of(spec.plan(), SafetyLabel::Unexamined),
+        })
+    }
+
+    /// The safety map so far.
+    pub fn map(&self) -> &SafetyMap {
+        &self.map
+    }
+
+    /// The 3-D model so far; `None` before the first frame.
+    pub fn model(&self) -> Option<&Model> {
+        self.model.as_ref()
+    }
+
+    /// Whether the robot has moved since the last frame that was used.
+    fn has_moved(&self, pose: &Pose) -> bool {
+        self.last_pose.is_none_or(|last| {
+            let turn_deg = last.rotation.angle_to(&pose.rotation).to_degrees();
+            let motion_m = (last.translation.vector - pose.translation.vector).norm();
+            motion_m > self.settings.min_motion_m || turn_deg > self.settings.min_turn_deg
+        })
+    }
+
+    /// The grid with the floor in the middle of a layer, if the settings ask for it.
+    fn placed_grid(&self, floor_m: f64) -> GridSpec {
+        match self.settings.floor {
+            FloorPlace::Grid => self.spec,
+            FloorPlace::Middle => self.spec.raised(floor_offset_m(&self.spec, floor_m)),
+        }
+    }
+}
+
+/// By how much the layers of a grid must be raised for a height to be in the middle of one: at most half a
+/// voxel up or down.
+fn floor_offset_m(spec: &GridSpec, floor_m: f64) -> f64 {
+    let in_layer = (floor_m - spec.origin_m()[2]) / spec.cell_size_m() - 0.5;
+    (in_layer - (in_layer - 1e-6).round()) * spec.cell_size_m()
+}
+
+impl Mapper for SafetyMapping {
+    fn integrate(&mut self, view: &View<'_>) -> Result<(), MapError> {
+        let robot = Robot::below(view.map_from_left, MapError::mounting(view)?);
+        if !self.has_moved(view.map_from_left) {
+            return Ok(());
+        }
+        self.last_pose = Some(*view.map_from_left);
+        let first = *self.first.get_or_insert(robot);
+        let placed = self.placed_grid(first.floor_m);
+        let settings = self.settings;
+        let model = self.model.get_or_insert_with(|| Model::new(placed, settings));
+        if settings.scroll {
+            model.scroll(voxels_moved(&placed, model.spec(), &first, &robot));
+        }
+        // III: range readings without those that differ much from their neighbours.
+        let filter = MatchFilter::new(view.matches, &settings.match_limits());
+        let (width, height, limit_px) = (view.rig.width, view.rig.height, settings.neighbour_difference_px);
+        let readings = self.readings.fill(&filter, width, height, limit_px);
+        // IV: evidence of voxels, and their points.
+        model.update(view.rig, view.map_from_left, readings);
+        // V and VI: columns, segments, planes, labels.
+        model.columns(&robot, &mut self.columns);
+        let model: &Model = model;
+        let floor_layer = floor_layer(model.spec(), robot.floor_m);
+        let is_free = |column, height_m| model.is_free(column, height_m);
+        self.map = label_columns(&self.columns, &robot, floor_layer, &settings, &is_free);
+        Ok(())
+    }
+
+    fn layers(&self) -> Vec<Layer<'_>> {
+        vec![Layer::from(&self.map)]
+    }
+}
+
+/// By how many voxels a grid must be moved so that it lies around the robot as at first.
+fn voxels_moved(placed: &GridSpec, now: &GridSpec, first: &Robot, robot: &Robot) -> [i64; 3] {
+    let c = placed.cell_size_m();
+    let place = |r: &Robot| [r.at_m[0], r.at_m[1], r.floor_m];
+    let (from, to) = (place(first), place(robot));
+    std::array::from_fn(|a| {
+        let wanted = ((to[a] - from[a]) / c).round();
+        let is = ((now.origin_m()[a] - placed.origin_m()[a]) / c).round();
+        (wanted - is) as i64
+    })
+}
+
+impl Method for SafetyMapping {
+    const NAME: &'static str = "safety-map";
+    const SUMMARY: &'static str =
+        "safe ground, drop-offs, inclines and obstacles around the robot: Murarka and Kuipers";
+    const NEEDS: Needs = Needs { mounting: true, ..Needs::MATCHES };
+    const LAYERS: &'static [LayerKind] = &[LayerKind::Safety];
+    type Settings = SafetyMapSettings;
+
+    fn check(settings: &SafetyMapSettings) -> Result<(), SettingError> {
+        settings.check(Self::NAME)
+    }
+
+    fn build(spec: GridSpec, settings: &SafetyMapSettings) -> Result<Box<dyn Mapper>, SettingError> {
+        Ok(Box::new(Self::new(spec, *settings)?))
+    }
+}
+
+/// The method with additions of its own: segments of one plane are joined, and holes, edges and what cannot be
+/// reached are unsafe.
+#[derive(Debug)]
+pub struct SafetyMappingPlus;
+
+impl Method for SafetyMappingPlus {
+    const NAME: &'static str = "safety-map-plus";
+    const SUMMARY: &'static str =
+        "safety-map with joined planes; holes, edges and enclosed cells are unsafe: own";
+    const NEEDS: Needs = SafetyMapping::NEEDS;
+    const LAYERS: &'static [LayerKind] = SafetyMapping::LAYERS;
+    type Settings = SafetyMapPlusSettings;
+
+    fn check(settings: &SafetyMapPlusSettings) -> Result<(), SettingError> {
+        settings.0.check(Self::NAME)
+    }
+
+    fn build(spec: GridSpec, settings: &SafetyMapPlusSettings) -> Result<Box<dyn Mapper>, SettingError> {
+        Self::check(settings)?;
+        Ok(Box::new(SafetyMapping::new(spec, settings.0)?))
+    }
+}

@@ -1,0 +1,212 @@
+//! The 3-D model: evidence of every voxel and the points that fell in it (section IV).
+
+use evigrid_core::{Pose, StereoRig};
+use evigrid_grid::{GridSpec, RayWalk, ViewRays, cell_index};
+
+use crate::columns::{Column, Columns};
+use crate::planes::Moments;
+use crate::points::{PointSelection, RangePoint, voxel_behind};
+use crate::robot::Robot;
+use crate::settings::SafetyMapSettings;
+
+/// A point of the database, relative to its voxel.
+#[derive(Debug, Clone, Copy)]
+struct StoredPoint {
+    /// Place in units of voxels from the voxel's lower corner.
+    at: [f32; 3],
+    /// Distance of the camera when it was seen, metres.
+    distance_m: f32,
+}
+
+/// Voxels with their evidence, and for each voxel a bounded list of points, those seen from nearest first.
+#[derive(Debug)]
+pub struct Model {
+    settings: SafetyMapSettings,
+    /// The grid as it lay at first, and by how many voxels it has moved since.
+    first: GridSpec,
+    moved: [i64; 3],
+    spec: GridSpec,
+    /// Evidence of each voxel (LOP), 0 at first.
+    evidence: Vec<i32>,
+    /// For each voxel the place of its list among the lists, plus 1; 0: it has none.
+    list_of: Vec<u32>,
+    lists: Vec<Vec<StoredPoint>>,
+    /// Lists that belong to no voxel.
+    spare: Vec<u32>,
+    selection: PointSelection,
+}
+
+impl Model {
+    /// An empty model over a grid.
+    pub fn new(spec: GridSpec, settings: SafetyMapSettings) -> Self {
+        let voxels = spec.cell_count();
+        Self {
+            settings,
+            first: spec,
+            moved: [0; 3],
+            spec,
+            evidence: vec![0; voxels],
+            list_of: vec![0; voxels],
+            lists: Vec::new(),
+            spare: Vec::new(),
+            selection: PointSelection::new(voxels),
+        }
+    }
+
+    /// The grid, as it lies now.
+    pub fn spec(&self) -> &GridSpec {
+        &self.spec
+    }
+
+    /// Evidence of each voxel by flat index.
+    pub fn evidence(&self) -> &[i32] {
+        &self.evidence
+    }
+
+    /// Whether a voxel is occupied.
+    pub fn is_occupied(&self, flat: usize) -> bool {
+        self.evidence[flat] >= self.settings.occupied_at
+    }
+
+    /// Whether a column was seen through at a height in the map frame, metres: the evidence against its voxel
+    /// there is at least `hole_at`.
+    pub fn is_free(&self, column: usize, height_m: f64) -> bool {
+        let layer = layer_at(&self.spec, height_m);
+        layer.is_some_and(|w| self.evidence[column * self.spec.shape()[2] + w] <= -self.settings.hole_at)
+    }
+
+    /// The points of a voxel in the map frame, metres, those seen from nearest first.
+    pub fn points(&self, flat: usize) -> impl Iterator<Item = [f64; 3]> + '_ {
+        let (corner, c) = (self.spec.voxel(flat), self.spec.cell_size_m());
+        let origin = self.spec.origin_m();
+        let list = self.list(flat);
+        list.iter()
+            .map(move |point| [0, 1, 2].map(|a| origin[a] + (corner[a] as f64 + f64::from(point.at[a])) * c))
+    }
+
+    fn list(&self, flat: usize) -> &[StoredPoint] {
+        match self.list_of[flat] {
+            0 => &[],
+            list => &self.lists[list as usize - 1],
+        }
+    }
+
+    /// Adds the points of a frame: the first in each voxel. `disparities` are those of the left image, row by
+    /// row; negative or NaN: no reading.
+    pub fn update(&mut self, rig: &StereoRig, map_from_left: &Pose, disparities: &[f32]) {
+        let spec = self.spec;
+        let rays = self.rays(&spec, rig, map_from_left);
+        let mut selection = std::mem::replace(&mut self.selection, PointSelection::new(0));
+        for point in selection.select(&rays, disparities, self.settings.min_disparity_px) {
+            self.add_evidence(rays.origin, point);
+            self.keep(point);
+        }
+        self.selection = selection;
+    }
+
+    /// The rays of a camera. Places are taken from the grid as it lay at first, so that a point on the face of a
+    /// voxel falls on the same side of it wherever the grid has moved to.
+    fn rays<'a>(&self, spec: &'a GridSpec, rig: &'a StereoRig, map_from_left: &Pose) -> ViewRays<'a> {
+        let mut rays = ViewRays::new(spec, rig, map_from_left, f64::INFINITY);
+        let origin = self.first.to_cells(map_from_left.translation.vector.into());
+        rays.origin = [0, 1, 2].map(|a| origin[a] - self.moved[a] as f64);
+        rays.origin_cell = rays.origin.map(cell_index);
+        rays
+    }
+
+    /// Evidence of one point: for its voxel and the voxels before and behind it, against all others up to the
+    /// camera.
+    fn add_evidence(&mut self, camera: [f64; 3], point: &RangePoint) {
+        let s = &self.settings;
+        self.evidence[point.voxel as usize] += s.increment_hit;
+        let mut towards_camera = RayWalk::in_cells(&self.spec, point.at, camera).skip(1);
+        if let Some((fore, _)) = towards_camera.next() {
+            self.evidence[fore] += s.increment_beside;
+        }
+        towards_camera.for_each(|(flat, _)| self.evidence[flat] -= s.decrement);
+        if let Some(aft) = voxel_behind(&self.spec, camera, point.at) {
+            self.evidence[aft] += s.increment_beside;
+        }
+    }
+
+    /// Puts a point into the list of its voxel.
+    fn keep(&mut self, point: &RangePoint) {
+        let voxel = point.voxel as usize;
+        let corner = self.spec.voxel(voxel);
+        let at = [0, 1, 2].map(|a| (point.at[a] - corner[a] as f64) as f32);
+        let limit = self.settings.points_per_voxel;
+        let list = self.list_for(voxel);
+        let place = list.partition_point(|known| known.distance_m <= point.distance_m);
+        if place < limit {
+            list.truncate(limit - 1);
+            list.insert(place, StoredPoint { at, distance_m: point.distance_m });
+        }
+    }
+
+    /// The list of a voxel, which gets one if it has none.
+    fn list_for(&mut self, voxel: usize) -> &mut Vec<StoredPoint> {
+        if self.list_of[voxel] == 0 {
+            let list = self.spare.pop().unwrap_or_else(|| {
+                self.lists.push(Vec::with_capacity(self.settings.points_per_voxel));
+                (self.lists.len() - 1) as u32
+            });
+            self.list_of[voxel] = list + 1;
+        }
+        &mut self.lists[self.list_of[voxel] as usize - 1]
+    }
+
+    /// Moves the grid by whole voxels; what it leaves behind is forgotten.
+    pub fn scroll(&mut self, voxels: [i64; 3]) {
+        if voxels == [0; 3] {
+            return;
+        }
+        let (mut evidence, mut list_of) = (vec![0; self.evidence.len()], vec![0; self.list_of.len()]);
+        for flat in 0..self.evidence.len() {
+            let cell = self.spec.voxel(flat);
+            let new: [i64; 3] = std::array::from_fn(|a| cell[a] as i64 - voxels[a]);
+            match self.spec.flat(new) {
+                Some(to) => (evidence[to], list_of[to]) = (self.evidence[flat], self.list_of[flat]),
+                None if self.list_of[flat] != 0 => {
+                    let list = self.list_of[flat] - 1;
+                    self.lists[list as usize].clear();
+                    self.spare.push(list);
+                }
+                None => {}
+            }
+        }
+        (self.evidence, self.list_of) = (evidence, list_of);
+        self.moved = [0, 1, 2].map(|a| self.moved[a] + voxels[a]);
+        self.spec = self.first.moved(self.moved);
+    }
+
+    /// The columns within the planning radius: the height of each, and its points up to that height.
+    pub fn columns(&self, robot: &Robot, columns: &mut Columns) {
+        let layers = layers_below(&self.spec, robot.floor_m + self.settings.robot_height_m);
+        columns.fill(self.spec.plan(), robot.at_m, self.settings.radius_m, |column| {
+            let base = column * self.spec.shape()[2];
+            let height = (0..layers).rev().find(|&w| self.is_occupied(base + w))?;
+            let mut moments = Moments::default();
+            for w in (0..=height).filter(|&w| self.is_occupied(base + w)) {
+                self.points(base + w).for_each(|point| moments.add(point));
+            }
+            Some(Column { height: height as i32, moments })
+        });
+    }
+}
+
+/// How many layers of voxels, from the lowest, have their centre below a height in the map frame.
+pub(crate) fn layers_below(spec: &GridSpec, height_m: f64) -> usize {
+    let layers = ((height_m - spec.origin_m()[2]) / spec.cell_size_m() - 0.5).ceil();
+    (layers.max(0.0) as usize).min(spec.shape()[2])
+}
+
+/// The layer that the floor lies in.
+pub(crate) fn floor_layer(spec: &GridSpec, floor_m: f64) -> i32 {
+    ((floor_m - spec.origin_m()[2]) / spec.cell_size_m() + 1e-6).floor() as i32
+}
+
+/// The layer that holds a height in the map frame; `None` outside of the grid.
+pub(crate) fn layer_at(spec: &GridSpec, height_m: f64) -> Option<usize> {
+    let layer = ((height_m - spec.origin_m()[2]) / spec.cell_size_m()).floor();
+    (layer >= 0.0 && layer < spec.shape()[2] as f64).then_some(layer as usize)
+}
