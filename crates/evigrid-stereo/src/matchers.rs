@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::block::{BlockMatcher, BlockMatchingSettings};
 use crate::error::StereoError;
 use crate::graph_cuts::{GraphCutMatcher, GraphCutSettings};
+use crate::multi_scale::{MultiScaleMatcher, MultiScaleSettings};
 use crate::pair_matcher::{Extras, PairMatcher};
 use crate::pre_filter::PreFilter;
 use crate::semi_global::{SemiGlobalMatcher, SemiGlobalSettings};
@@ -23,6 +24,9 @@ pub enum MatcherKind {
     SemiGlobal,
     /// One energy of the whole image lowered by minimum cuts, with occlusions (Kolmogorov and Zabih 2001).
     GraphCuts,
+    /// Blocks at two or three scales, of which the coarser fill in what the finer do not match reliably
+    /// (Small Vision System; Murarka and Kuipers 2009).
+    MultiScale,
     /// The true disparities of a synthetic world, where both cameras see the point. It looks at no image; a run
     /// takes them from the world.
     Exact,
@@ -30,7 +34,8 @@ pub enum MatcherKind {
 
 impl MatcherKind {
     /// All matchers, in the order of the list.
-    pub const ALL: [Self; 4] = [Self::Block, Self::SemiGlobal, Self::GraphCuts, Self::Exact];
+    pub const ALL: [Self; 5] =
+        [Self::Block, Self::SemiGlobal, Self::GraphCuts, Self::MultiScale, Self::Exact];
 
     /// Name of the matcher in settings.
     pub fn name(self) -> &'static str {
@@ -38,6 +43,7 @@ impl MatcherKind {
             Self::Block => "block",
             Self::SemiGlobal => "semi-global",
             Self::GraphCuts => "graph-cuts",
+            Self::MultiScale => "multi-scale",
             Self::Exact => "exact",
         }
     }
@@ -46,7 +52,7 @@ impl MatcherKind {
     pub fn offers(self) -> Extras {
         match self {
             Self::Block | Self::SemiGlobal => Extras { costs: true, road: false },
-            Self::GraphCuts | Self::Exact => Extras { costs: false, road: false },
+            Self::GraphCuts | Self::MultiScale | Self::Exact => Extras { costs: false, road: false },
         }
     }
 }
@@ -56,11 +62,12 @@ impl MatcherKind {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct StereoSettings {
-    /// block, semi-global, graph-cuts or, for synthetic worlds, exact. Unit: none. Source: Brandao et al. IV
-    /// (block); Souza et al. 4.1 (block, graph-cuts).
+    /// block, semi-global, graph-cuts, multi-scale or, for synthetic worlds, exact. Unit: none. Source:
+    /// Brandao et al. IV (block); Souza et al. 4.1 (block, graph-cuts); Murarka and Kuipers 2009, III
+    /// (multi-scale).
     pub matcher: MatcherKind,
-    /// Edge of the square window over which absolute differences are summed (matcher block), and of that of
-    /// the texture; odd. Unit: px. Source: Brandao et al. IV (7).
+    /// Edge of the square window over which absolute differences are summed (matchers block and
+    /// multi-scale), and of that of the texture; odd. Unit: px. Source: Brandao et al. IV (7).
     pub window: usize,
     /// Smallest disparity that is tried; 0 is infinitely far. Unit: px. Source: own choice, so that the sky
     /// can say "far".
@@ -94,6 +101,8 @@ pub struct StereoSettings {
     pub semi_global: SemiGlobalSettings,
     /// Matcher graph-cuts. Unit: none. Source: Kolmogorov and Zabih 2001.
     pub graph_cuts: GraphCutSettings,
+    /// Matcher multi-scale. Unit: none. Source: Murarka and Kuipers 2009, III.
+    pub multi_scale: MultiScaleSettings,
 }
 
 impl Default for StereoSettings {
@@ -113,6 +122,7 @@ impl Default for StereoSettings {
             speckle_step_px: 1.0,
             semi_global: SemiGlobalSettings::default(),
             graph_cuts: GraphCutSettings::default(),
+            multi_scale: MultiScaleSettings::default(),
         }
     }
 }
@@ -126,6 +136,7 @@ impl StereoSettings {
         self.block().checked()?;
         self.semi_global.checked()?;
         self.graph_cuts.checked()?;
+        self.multi_scale.checked()?;
         self.check_filters()?;
         Ok(self)
     }
@@ -163,6 +174,10 @@ impl StereoSettings {
                 Box::new(matcher.with_uniqueness(percent))
             }
             MatcherKind::GraphCuts => Box::new(GraphCutMatcher::new(self.graph_cuts, disparities)?),
+            MatcherKind::MultiScale => {
+                let matcher = MultiScaleMatcher::new(self.multi_scale, self.block())?;
+                Box::new(matcher.with_texture_cap(self.pre_filter_cap))
+            }
             MatcherKind::Exact => return Err(no_images().into()),
         })
     }
