@@ -32,8 +32,8 @@ const EXACT: Words = Words {
 };
 
 /// What stands instead of scores where all maps are safety maps.
-const NO_LABELS: &str = "No true safety labels came with these frames (synthetic worlds have them, with truth.source = exact): the \
-     maps are not scored.";
+const NO_LABELS: &str = "No true safety labels came with these frames (synthetic worlds have them, with \
+                         truth.source = exact): the maps are not scored.";
 
 /// The result of a run as Markdown.
 pub fn markdown_summary(info: &RunInfo, result: &RunResult) -> String {

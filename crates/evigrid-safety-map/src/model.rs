@@ -118,14 +118,16 @@ impl Model {
     /// camera.
     fn add_evidence(&mut self, camera: [f64; 3], point: &RangePoint) {
         let s = &self.settings;
-        self.evidence[point.voxel as usize] += s.increment_hit;
+        // However long the robot drives and whatever the settings are, evidence stops at the ends of its type.
+        let add = |evidence: &mut i32, amount: i32| *evidence = evidence.saturating_add(amount);
+        add(&mut self.evidence[point.voxel as usize], s.increment_hit);
         let mut towards_camera = RayWalk::in_cells(&self.spec, point.at, camera).skip(1);
         if let Some((fore, _)) = towards_camera.next() {
-            self.evidence[fore] += s.increment_beside;
+            add(&mut self.evidence[fore], s.increment_beside);
         }
-        towards_camera.for_each(|(flat, _)| self.evidence[flat] -= s.decrement);
+        towards_camera.for_each(|(flat, _)| add(&mut self.evidence[flat], -s.decrement));
         if let Some(aft) = voxel_behind(&self.spec, camera, point.at) {
-            self.evidence[aft] += s.increment_beside;
+            add(&mut self.evidence[aft], s.increment_beside);
         }
     }
 
@@ -147,7 +149,7 @@ impl Model {
     fn list_for(&mut self, voxel: usize) -> &mut Vec<StoredPoint> {
         if self.list_of[voxel] == 0 {
             let list = self.spare.pop().unwrap_or_else(|| {
-                self.lists.push(Vec::with_capacity(self.settings.points_per_voxel));
+                self.lists.push(Vec::new());
                 (self.lists.len() - 1) as u32
             });
             self.list_of[voxel] = list + 1;

@@ -97,3 +97,25 @@ fn settings_outside_of_their_domain_are_refused() {
     assert!(refuse(SafetyMapSettings { max_slope_deg: 91.0, ..d }).contains("max_slope_deg"));
     assert!(refuse(SafetyMapSettings { max_slope_deg: 90.0, ..d }).is_empty());
 }
+
+/// Evidence stops at the ends of its type instead of turning round.
+#[test]
+fn evidence_never_overflows() {
+    let at = pose([0.013, 0.017, 0.0], 0.0, 0.4);
+    let (_, matching) = frame(0, at, floor_and_wall(at, 2.5));
+    let most = SafetyMapSettings {
+        increment_hit: 10_000,
+        decrement: 10_000,
+        min_disparity_px: 1.2,
+        ..SafetyMapSettings::default()
+    };
+    let mut model = evigrid_safety_map::Model::new(grid(), most);
+    for _ in 0..30_000 {
+        model.update(&common::rig(), &at, matching.matches.disparity.values());
+    }
+    let (low, high) = (model.evidence().iter().min(), model.evidence().iter().max());
+    assert_eq!(low, Some(&i32::MIN));
+    assert!(high.is_some_and(|&high| high > 0), "{high:?}");
+    // The camera's own voxel is passed by every ray and hit by none.
+    assert_eq!(model.evidence()[grid().cell_of([0.013, 0.017, 0.0]).unwrap()], i32::MIN);
+}
