@@ -18,6 +18,7 @@ mod neighbours;
 mod outliers;
 mod planes;
 mod points;
+mod reassign;
 mod robot;
 mod segments;
 mod settings;

@@ -141,15 +141,15 @@ impl Method for SafetyMapping {
     }
 }
 
-/// The method with additions of its own: segments of one plane are joined, and holes, edges and what cannot be
-/// reached are unsafe.
+/// The method with additions of its own: segments of one plane are joined, points count by the evidence of their
+/// voxel, cells belong to the plane that they fit best, and holes, edges and what cannot be reached are unsafe.
 #[derive(Debug)]
 pub struct SafetyMappingPlus;
 
 impl Method for SafetyMappingPlus {
     const NAME: &'static str = "safety-map-plus";
     const SUMMARY: &'static str =
-        "safety-map with joined planes; holes, edges and enclosed cells are unsafe: own";
+        "safety-map with planes that hold whole ramps; holes, edges and enclosed cells unsafe: own";
     const NEEDS: Needs = SafetyMapping::NEEDS;
     const LAYERS: &'static [LayerKind] = SafetyMapping::LAYERS;
     type Settings = SafetyMapPlusSettings;

@@ -181,6 +181,14 @@ impl Model {
         self.spec = self.first.moved(self.moved);
     }
 
+    /// What a point of an occupied voxel counts for in its plane.
+    fn weight(&self, flat: usize) -> f64 {
+        if !self.settings.weigh_points {
+            return 1.0;
+        }
+        f64::from(self.evidence[flat]) / f64::from(self.settings.occupied_at.max(1))
+    }
+
     /// The columns within the planning radius: the height of each, and its points up to that height.
     pub fn columns(&self, robot: &Robot, columns: &mut Columns) {
         let layers = layers_below(&self.spec, robot.floor_m + self.settings.robot_height_m);
@@ -189,7 +197,9 @@ impl Model {
             let height = (0..layers).rev().find(|&w| self.is_occupied(base + w))?;
             let mut moments = Moments::default();
             for w in (0..=height).filter(|&w| self.is_occupied(base + w)) {
-                self.points(base + w).for_each(|point| moments.add(point));
+                let mut own = Moments::default();
+                self.points(base + w).for_each(|point| own.add(point));
+                moments.append(&own.weighted(self.weight(base + w)));
             }
             Some(Column { height: height as i32, moments })
         });

@@ -27,6 +27,16 @@ impl Moments {
         }
     }
 
+    /// The same points, each of which counts as so many.
+    #[must_use]
+    pub fn weighted(&self, weight: f64) -> Self {
+        Self {
+            count: weight * self.count,
+            sum: self.sum.map(|sum| weight * sum),
+            products: self.products.map(|sum| weight * sum),
+        }
+    }
+
     /// Adds the points of other moments.
     #[inline]
     pub fn append(&mut self, other: &Self) {

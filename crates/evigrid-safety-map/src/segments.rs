@@ -50,7 +50,13 @@ impl Segments {
             }
         }
         found.finish(columns);
-        if settings.merge_m > 0.0 { found.joined(columns, settings.merge_m) } else { found }
+        if settings.merge_m > 0.0 {
+            found = found.joined(columns, settings.merge_m);
+        }
+        if settings.reassign_cells {
+            found = found.reassigned(columns, settings.merge_m);
+        }
+        found
     }
 
     /// Steps 5 to 18: the segment of a cell, and the cells next to it that are almost as high.

@@ -94,6 +94,12 @@ pub struct SafetyMapSettings {
     /// Neighbouring segments become one if, on the plane of all their points, the points of neither are more
     /// than this farther off than on their own (root mean square); 0: none do. Unit: m. Source: own.
     pub merge_m: f64,
+    /// Points count for as much as there is evidence of their voxel. Without it a few readings that noise puts
+    /// into the next layer count like the many of the layer below. Unit: none. Source: own.
+    pub weigh_points: bool,
+    /// Cells change over to a neighbouring segment whose plane their points lie nearer to by more than `merge_m`.
+    /// Unit: none. Source: own.
+    pub reassign_cells: bool,
     /// Evidence against a voxel at the height of the safe ground beside it from which on an empty column is a
     /// hole, and unsafe; 0: none is. Unit: none, as occupied_at. Source: own.
     pub hole_at: i32,
@@ -133,6 +139,8 @@ impl Default for SafetyMapSettings {
             floor: FloorPlace::Middle,
             scroll: false,
             merge_m: 0.0,
+            weigh_points: false,
+            reassign_cells: false,
             hole_at: 0,
             edges_unsafe: false,
             enclosed_unsafe: false,
@@ -212,6 +220,8 @@ impl Default for SafetyMapPlusSettings {
     fn default() -> Self {
         Self(SafetyMapSettings {
             merge_m: 0.01,
+            weigh_points: true,
+            reassign_cells: true,
             hole_at: 10,
             edges_unsafe: true,
             enclosed_unsafe: true,

@@ -5,7 +5,8 @@ mod common;
 
 use evigrid_grid::{GridSpec, Method, SafetyLabel, SafetyMap};
 use evigrid_safety_map::{
-    Moments, Plane, SafetyMapPlusSettings, SafetyMapSettings, SafetyMappingPlus, label_columns,
+    Columns, Model, Moments, Plane, Robot, SafetyMapPlusSettings, SafetyMapSettings, SafetyMappingPlus,
+    label_columns,
 };
 use proptest::prelude::*;
 
@@ -55,6 +56,62 @@ fn a_step_is_not_joined() {
     let joined = labelled(&SafetyMapSettings { merge_m: 0.01, ..paper() }, step);
     assert_eq!(joined.planes().len(), 2);
     assert_eq!(at(&joined, 1.5, 0.0), SafetyLabel::NonGround);
+}
+
+/// The foot of a ramp is as high as the floor but for half a voxel. Its cells go over to the ramp once they fit it
+/// better by the limit, so that both planes are exact.
+#[test]
+fn the_foot_of_a_ramp_belongs_to_the_ramp() {
+    let ramp = |[x, _]: [f64; 2]| (x - 0.5_f64).max(0.0) * 6.0_f64.to_radians().tan();
+    let joined = SafetyMapSettings { merge_m: 0.01, ..paper() };
+    assert_eq!(at(&labelled(&joined, ramp), 0.85, 0.0), SafetyLabel::Level);
+    let map = labelled(&SafetyMapSettings { reassign_cells: true, ..joined }, ramp);
+    assert_eq!((at(&map, 0.45, 0.0), at(&map, 0.85, 0.0)), (SafetyLabel::Level, SafetyLabel::Inclined));
+    let slopes: Vec<f64> = map.planes().iter().map(|plane| plane.normal.z.acos().to_degrees()).collect();
+    assert!(slopes.len() == 2 && slopes[0] < 0.1 && (slopes[1] - 6.0).abs() < 0.05, "{slopes:?}");
+}
+
+/// Neither the cells of a floor nor those of a platform of 7 cm go over to the other.
+#[test]
+fn cells_stay_on_their_side_of_a_step() {
+    let step = |[x, _]: [f64; 2]| if x > 1.0 { 0.10 } else { 0.03 };
+    let settings = SafetyMapSettings { merge_m: 0.01, ..paper() };
+    let reassigned = SafetyMapSettings { reassign_cells: true, ..settings };
+    let [cut, held] = [settings, reassigned].map(|settings| labelled(&settings, step));
+    assert!(cut.labels() == held.labels() && cut.plane_numbers() == held.plane_numbers());
+}
+
+/// Points count as much as there is evidence of their voxel, or all alike.
+#[test]
+fn points_are_weighted_by_evidence() {
+    for weigh_points in [false, true] {
+        let settings = SafetyMapSettings { occupied_at: 20, weigh_points, ..paper() };
+        let (spec, mut model) = (common::grid(), Model::new(common::grid(), settings));
+        for n in 0..6 {
+            let pose = common::pose([0.02 * f64::from(n), 0.0, 0.0], 0.0, 0.5);
+            let (frame, matching) = common::frame(0, pose, common::floor_and_wall(pose, 2.5));
+            model.update(frame.rig(), &pose, matching.matches.disparity.values());
+        }
+        let mut columns = Columns::none(spec.plan());
+        model.columns(&Robot { at_m: [0.0, 0.0], floor_m: -1.0 }, &mut columns);
+        let (layers, mut seen) = (spec.shape()[2], 0);
+        for cell in columns.examined() {
+            let Some(column) = columns.get(cell) else { continue };
+            let mut expected = [0.0; 2];
+            for voxel in (0..=column.height as usize).map(|layer| cell * layers + layer) {
+                let evidence = f64::from(model.evidence()[voxel]);
+                let weight = if weigh_points { evidence / 20.0 } else { 1.0 };
+                for point in model.points(voxel).filter(|_| evidence >= 20.0) {
+                    expected[0] += weight;
+                    expected[1] += weight * point[2] * point[0];
+                }
+            }
+            let found = [column.moments.count, column.moments.products[3]];
+            assert!((0..2).all(|n| (found[n] - expected[n]).abs() < 1e-9), "{found:?} {expected:?}");
+            seen += 1;
+        }
+        assert!(seen > 50, "{seen}");
+    }
 }
 
 /// A gap of 0.3 m from x = 1 m on, then ground 0.5 m lower. What was seen through at the height of the floor is
