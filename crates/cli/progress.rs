@@ -3,8 +3,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use evigrid_eval::{Config, Observer, Step, SweepStep, Truth};
-use evigrid_grid::Layer;
-use evigrid_results::{RunInfo, RunResult, SealedFile};
+use evigrid_results::{MethodMaps, RunInfo, RunResult, SealedFile};
 use evigrid_synth::WriteStep;
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -52,7 +51,7 @@ impl Observer for Progress {
         Ok(())
     }
 
-    fn end(&mut self, _: &RunResult, _: &[Vec<Layer<'_>>], _: &Truth) -> Result<Vec<SealedFile>> {
+    fn end(&mut self, _: &RunResult, _: &[MethodMaps<'_>], _: &Truth) -> Result<Vec<SealedFile>> {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }

@@ -27,7 +27,7 @@ pub use colours::turbo;
 pub use config::{Config, ConfigError, InputSettings, OutputSettings, RunSettings, ScoreSettings};
 pub use frame_range::FrameRange;
 pub use memory::peak_memory_mib;
-pub use observer::{MethodStep, Observer, Step};
+pub use observer::{LazyModel, MethodStep, Observer, Step};
 pub use plan::{Plan, RunJob};
 pub use recording::{Recording, data_root};
 pub use run::evaluate;

@@ -1,8 +1,10 @@
+use std::fmt;
+
 use anyhow::Result;
 use evigrid_core::{Frame, Matching};
-use evigrid_grid::Layer;
+use evigrid_grid::{HybridModel, Layer};
 use evigrid_metrics::Scores;
-use evigrid_results::{RunInfo, RunResult, SealedFile, StageTime};
+use evigrid_results::{MethodMaps, RunInfo, RunResult, SealedFile, StageTime};
 
 use crate::{Config, Truth};
 
@@ -15,6 +17,33 @@ pub struct MethodStep<'a> {
     pub layers: &'a [Layer<'a>],
     /// Its scores so far: one entry per layer that there is a truth for.
     pub scores: &'a [Scores],
+    /// The 3-D model behind its safety map.
+    pub hybrid: LazyModel<'a>,
+}
+
+/// The 3-D model behind the safety map of a method, made when it is asked for.
+#[derive(Clone, Copy)]
+pub struct LazyModel<'a>(Option<&'a dyn Fn() -> Option<HybridModel>>);
+
+impl<'a> LazyModel<'a> {
+    /// No model.
+    pub const NONE: Self = Self(None);
+
+    /// A model that `make` makes.
+    pub fn new(make: &'a dyn Fn() -> Option<HybridModel>) -> Self {
+        Self(Some(make))
+    }
+
+    /// The model now; `None` if the method makes none.
+    pub fn get(&self) -> Option<HybridModel> {
+        self.0.and_then(|make| make())
+    }
+}
+
+impl fmt::Debug for LazyModel<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("LazyModel").finish_non_exhaustive()
+    }
 }
 
 /// Everything after one frame.
@@ -58,7 +87,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// After the last frame, with the final layers of every method and the truth. Returned are the files that
+    /// After the last frame, with the final maps of every method and the truth. Returned are the files that
     /// were written; when all observers have ended, they get their names together.
     ///
     /// # Errors
@@ -66,7 +95,7 @@ pub trait Observer {
     fn end(
         &mut self,
         _result: &RunResult,
-        _layers: &[Vec<Layer<'_>>],
+        _maps: &[MethodMaps<'_>],
         _truth: &Truth,
     ) -> Result<Vec<SealedFile>> {
         Ok(Vec::new())

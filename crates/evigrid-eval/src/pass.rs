@@ -3,10 +3,10 @@
 
 use anyhow::{Context, Result};
 use evigrid_core::{Frame, Matching};
-use evigrid_grid::{Layer, LayerKind, Needs};
+use evigrid_grid::{HybridModel, Layer, LayerKind, Needs};
 use evigrid_methods::Family;
 use evigrid_metrics::{SafetyCase, Scores};
-use evigrid_results::{MethodResult, RunResult, StageTime};
+use evigrid_results::{MethodMaps, MethodResult, RunResult, StageTime};
 
 use crate::lane::Lane;
 use crate::plan::RunJob;
@@ -248,6 +248,17 @@ impl<'a> Pass<'a> {
     pub fn layers(&self, number: usize) -> Vec<Layer<'_>> {
         let Place { lane, family, member, .. } = self.places[number];
         self.lanes[lane].family(family).mapper.layers(member)
+    }
+
+    /// The 3-D model behind an entrant's safety map so far, if its method makes one.
+    pub fn hybrid_model(&self, number: usize) -> Option<HybridModel> {
+        let Place { lane, family, member, .. } = self.places[number];
+        self.lanes[lane].family(family).mapper.hybrid_model(member)
+    }
+
+    /// Everything that an entrant's method has made so far.
+    pub fn maps(&self, number: usize) -> MethodMaps<'_> {
+        MethodMaps { layers: self.layers(number), hybrid: self.hybrid_model(number) }
     }
 
     /// The truth that an entrant is scored against.

@@ -7,7 +7,7 @@ use evigrid_results::{MethodResult, ResultsFolder, RunResult, StageTime};
 
 use crate::match_source::png_name;
 use crate::pass::{Entrant, Moment, Order, Pass};
-use crate::{Clock, MethodStep, Observer, Plan, Step};
+use crate::{Clock, LazyModel, MethodStep, Observer, Plan, Step};
 
 /// Runs the plan: every frame is matched once, mapped by every method, added to the truth, scored and shown
 /// to the observers. Then the maps and the truth are written.
@@ -27,9 +27,9 @@ pub fn evaluate(
     let mut pass = Pass::new(&plan.recording, Entrant::all_of(&plan.job))?;
     let mut run = Run { plan, clock, folder, observers, stage_totals: Vec::new() };
     pass.drive(&plan.recording, clock, Order::InTurn, &mut |pass, moment| run.follow(pass, moment))?;
-    let layers: Vec<_> = (0..pass.len()).map(|number| pass.layers(number)).collect();
+    let maps: Vec<_> = (0..pass.len()).map(|number| pass.maps(number)).collect();
     let methods: Vec<MethodResult> =
-        layers.iter().enumerate().map(|(number, layers)| pass.method_result(number, layers)).collect();
+        maps.iter().enumerate().map(|(number, maps)| pass.method_result(number, &maps.layers)).collect();
     let result = RunResult {
         wall_ms: clock.now_ms() - start,
         stage_totals: run.stage_totals,
@@ -37,7 +37,7 @@ pub fn evaluate(
     };
     let mut files = Vec::new();
     for observer in observers.iter_mut() {
-        files.extend(observer.end(&result, &layers, pass.truth(0))?);
+        files.extend(observer.end(&result, &maps, pass.truth(0))?);
     }
     folder.publish(files)?;
     Ok(result)
@@ -83,12 +83,14 @@ impl Run<'_, '_> {
         scores: &[Vec<Scores>],
     ) -> Result<()> {
         let layers: Vec<Vec<Layer<'_>>> = (0..pass.len()).map(|number| pass.layers(number)).collect();
-        let methods: Vec<_> = layers
-            .iter()
-            .zip(scores)
-            .enumerate()
-            .map(|(i, (layers, scores))| MethodStep { method: pass.entrant(i).name(), layers, scores })
-            .collect();
+        let models: Vec<_> = (0..pass.len()).map(|number| move || pass.hybrid_model(number)).collect();
+        let method = |number: usize| MethodStep {
+            method: pass.entrant(number).name(),
+            layers: &layers[number],
+            scores: &scores[number],
+            hybrid: LazyModel::new(&models[number]),
+        };
+        let methods: Vec<_> = (0..pass.len()).map(method).collect();
         let (matching, truth) = (pass.matching(0), pass.truth(0));
         let step = Step { position, frame, matching, truth, methods: &methods };
         self.observers.iter_mut().try_for_each(|observer| observer.frame(&step))

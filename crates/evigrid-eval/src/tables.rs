@@ -1,7 +1,6 @@
 use anyhow::{Context, Result};
-use evigrid_grid::Layer;
 use evigrid_results::{
-    FrameRow, Kept, ResultsFolder, ResultsWriter, RunInfo, RunResult, SealedFile, StageTime,
+    FrameRow, Kept, MethodMaps, ResultsFolder, ResultsWriter, RunInfo, RunResult, SealedFile, StageTime,
 };
 
 use crate::{Observer, Step, Truth, peak_memory_mib};
@@ -43,13 +42,8 @@ impl Observer for TableWriter {
         self.writer()?.times(times, peak_memory_mib())
     }
 
-    fn end(
-        &mut self,
-        result: &RunResult,
-        layers: &[Vec<Layer<'_>>],
-        truth: &Truth,
-    ) -> Result<Vec<SealedFile>> {
+    fn end(&mut self, result: &RunResult, maps: &[MethodMaps<'_>], truth: &Truth) -> Result<Vec<SealedFile>> {
         let writer = self.writer.take().context("the tables of this run are already complete")?;
-        writer.finish(result, layers, truth.file())
+        writer.finish(result, maps, truth.file())
     }
 }

@@ -4,6 +4,7 @@
 
 mod evidence;
 mod fast_logit;
+mod hybrid;
 mod lattice;
 mod layer;
 mod log_odds;
@@ -17,6 +18,7 @@ mod view_rays;
 
 pub use evidence::FrameEvidence;
 pub use fast_logit::{LOG_ODDS_ERROR, bounded_logit};
+pub use hybrid::{HybridModel, Patch, merged_patches, outer_faces, patches};
 pub use lattice::{GridError, GridSettings, GridSpec, Lattice, PlanSpec, cell_index};
 pub use layer::{Layer, LayerKind};
 pub use log_odds::{Clamp, LogOddsGrid, logit, probability};

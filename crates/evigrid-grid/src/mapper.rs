@@ -1,6 +1,6 @@
 use evigrid_core::{CostVolume, Mounting, RoadSplit, View};
 
-use crate::Layer;
+use crate::{HybridModel, Layer};
 
 /// Why a frame could not be mapped. Callers add which frame and which method.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -57,6 +57,11 @@ pub trait Mapper: Send + Sync {
 
     /// The layers so far: those that the method declares, in that order.
     fn layers(&self) -> Vec<Layer<'_>>;
+
+    /// The 3-D model behind the safety map so far, made when it is asked for. By default there is none.
+    fn hybrid_model(&self) -> Option<HybridModel> {
+        None
+    }
 }
 
 /// Maps of one method under several settings, built together because a frame is cheaper for all of them at
@@ -71,6 +76,11 @@ pub trait MapperFamily: Send + Sync {
 
     /// The layers of one of the maps so far, by its position in the settings the family was built from.
     fn layers(&self, member: usize) -> Vec<Layer<'_>>;
+
+    /// As [`Mapper::hybrid_model`], of one of the maps.
+    fn hybrid_model(&self, _member: usize) -> Option<HybridModel> {
+        None
+    }
 }
 
 /// A family of one.
@@ -81,5 +91,9 @@ impl MapperFamily for Box<dyn Mapper> {
 
     fn layers(&self, _: usize) -> Vec<Layer<'_>> {
         self.as_ref().layers()
+    }
+
+    fn hybrid_model(&self, _: usize) -> Option<HybridModel> {
+        self.as_ref().hybrid_model()
     }
 }

@@ -13,7 +13,7 @@ use crate::part::{Out, Part, Shown, Slot};
 /// The left camera in space.
 pub(crate) const CAMERA: &str = "world/left";
 /// The image that the left camera takes.
-const IMAGE: &str = "world/left/image";
+pub(crate) const IMAGE: &str = "world/left/image";
 
 /// Where the left camera is, how it projects, and the image that it takes.
 #[derive(Debug, Default)]
@@ -37,7 +37,9 @@ impl Part for CameraPart {
     }
 
     fn panes(&self, _: &Shown) -> Vec<(Slot, Pane)> {
-        vec![(Slot::Image, Pane::new("2D", "left image", IMAGE))]
+        // What lies over the image has views of its own.
+        let contents = vec!["+ $origin".into()];
+        vec![(Slot::Image, Pane { contents, ..Pane::new("2D", "left image", IMAGE) })]
     }
 }
 

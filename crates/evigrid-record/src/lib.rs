@@ -10,6 +10,8 @@ mod camera;
 mod classes;
 mod curve_plot;
 mod disparity_image;
+mod hybrid;
+mod labelled_image;
 mod laser;
 mod layout;
 mod map;

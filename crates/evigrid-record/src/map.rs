@@ -12,6 +12,7 @@ use crate::blocks::{Blocks, Change};
 use crate::blueprint::Pane;
 use crate::camera::CAMERA;
 use crate::classes::{CellClass, TrueCells};
+use crate::labelled_image::LABELS;
 use crate::laser::LASER;
 use crate::layout::{bounds, dark};
 use crate::part::{Out, Part, Shown, Slot, Start};
@@ -105,7 +106,9 @@ impl MapPart {
             .with("EyeControls3D", eye)
             .with("Background", dark())
             .with("LineGrid3D", LineGrid3D::new().with_visible(false));
-        Pane { contents: paths.map(|path| format!("+ /{path}/**")).to_vec(), ..pane }
+        let mut contents = paths.map(|path| format!("+ /{path}/**")).to_vec();
+        contents.push(format!("- /{LABELS}/**"));
+        Pane { contents, ..pane }
     }
 
     /// The map from above, cut to the part that is occupied.

@@ -5,6 +5,8 @@ use evigrid_grid::LayerKind;
 use crate::camera::CameraPart;
 use crate::curve_plot::CurvePart;
 use crate::disparity_image::DisparityPart;
+use crate::hybrid::HybridPart;
+use crate::labelled_image::LabelledImagePart;
 use crate::laser::LaserPart;
 use crate::map::MapPart;
 use crate::part::{Part, Start};
@@ -24,11 +26,15 @@ pub(crate) fn parts(start: Start<'_>) -> Vec<Box<dyn Part>> {
     ];
     for (number, method) in start.info.methods.iter().enumerate() {
         for layer in &method.layers {
-            parts.push(match layer {
-                LayerKind::Voxels => Box::new(MapPart::new(start, number)),
-                LayerKind::Plan => Box::new(PlanPart::new(start, number)),
-                LayerKind::Safety => Box::new(SafetyPart::new(start, number)),
-            });
+            match layer {
+                LayerKind::Voxels => parts.push(Box::new(MapPart::new(start, number))),
+                LayerKind::Plan => parts.push(Box::new(PlanPart::new(start, number))),
+                LayerKind::Safety => parts.extend([
+                    Box::new(HybridPart::new(start, number)) as Box<dyn Part>,
+                    Box::new(SafetyPart::new(start, number)),
+                    Box::new(LabelledImagePart::new(start, number)),
+                ]),
+            }
         }
     }
     parts.extend([

@@ -3,8 +3,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use evigrid_core::stable_hash;
 use evigrid_eval::{Config, Observer, Step, Truth};
-use evigrid_grid::{Layer, LayerKind};
-use evigrid_results::{PendingFile, RunInfo, RunResult, SealedFile};
+use evigrid_grid::LayerKind;
+use evigrid_results::{MethodMaps, PendingFile, RunInfo, RunResult, SealedFile};
 use rerun::archetypes::RecordingInfo;
 use rerun::{EntityPath, StoreKind, TimeCell, TimePoint, ViewCoordinates};
 
@@ -82,7 +82,7 @@ impl Observer for Recorder {
         run.frame(rrd, step)
     }
 
-    fn end(&mut self, result: &RunResult, _: &[Vec<Layer<'_>>], _: &Truth) -> Result<Vec<SealedFile>> {
+    fn end(&mut self, result: &RunResult, _: &[MethodMaps<'_>], _: &Truth) -> Result<Vec<SealedFile>> {
         let (rrd, run) = self.parts()?;
         run.end(rrd, result)?;
         let rrd = self.rrd.take().context("the recording has already ended")?;

@@ -1,6 +1,7 @@
 use anyhow::Result;
 use evigrid_eval::Step;
 use evigrid_grid::{Layer, SafetyLabel};
+use evigrid_results::label_rgb;
 use rerun::AnnotationContext;
 use rerun::datatypes::{AnnotationInfo, ClassDescription, Rgba32};
 
@@ -9,6 +10,10 @@ use crate::layout::dark;
 use crate::part::{Out, Part, Shown, Slot, Start};
 use crate::plan::plan_image;
 use crate::safety_verdict::{Verdict, verdicts};
+
+/// The colours of the labels for people.
+pub(crate) const LEGEND: &str =
+    "blue = level, light blue = inclined, orange = not to be driven on, grey = unknown";
 
 /// The safety labels of one method, and where there is a truth how they compare with it: forward to the
 /// right, left upwards, one pixel per cell.
@@ -33,14 +38,9 @@ impl SafetyPart {
     }
 }
 
-/// Colours that stay apart for the colour-blind (Okabe and Ito).
 fn colour(label: SafetyLabel) -> Rgba32 {
-    match label {
-        SafetyLabel::Level => Rgba32::from_rgb(0, 158, 115),
-        SafetyLabel::Inclined => Rgba32::from_rgb(240, 228, 66),
-        SafetyLabel::NonGround => Rgba32::from_rgb(213, 94, 0),
-        SafetyLabel::Unknown | SafetyLabel::Unexamined => Rgba32::from_rgb(24, 26, 30),
-    }
+    let [r, g, b] = label_rgb(label);
+    Rgba32::from_rgb(r, g, b)
 }
 
 impl Part for SafetyPart {
@@ -70,8 +70,7 @@ impl Part for SafetyPart {
         let pane = |title: &str, path: &str| {
             Pane::new("2D", format!("{}: {title}", self.method), path).with("Background", dark())
         };
-        let labels =
-            pane("safety map, green = level, yellow = inclined, red = not to be driven on", &self.path());
+        let labels = pane(&format!("safety map, {LEGEND}"), &self.path());
         if !self.judged {
             return vec![(Slot::Space, labels)];
         }

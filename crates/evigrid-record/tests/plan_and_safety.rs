@@ -1,24 +1,28 @@
-//! Plans and safety maps, recorded and read back pixel by pixel.
+//! Plans, safety maps and the 3-D models behind them, recorded and read back element by element.
 #![allow(clippy::unwrap_used)]
 
 use std::path::Path;
 
-use evigrid_core::{Frame, GrayImage, Pose, StereoRig};
-use evigrid_eval::{Config, MethodStep, Observer, Step, Truth};
-use evigrid_grid::{GridSettings, GridSpec, Layer, LayerKind, PlanGrid, PlanSpec, SafetyLabel, SafetyMap};
+use evigrid_core::{Disparity, Frame, GrayImage, Matching, Pose, StereoRig};
+use evigrid_eval::{Config, LazyModel, MethodStep, Observer, Step, Truth};
+use evigrid_grid::{
+    GridSettings, GridSpec, HybridModel, Layer, LayerKind, PlanGrid, PlanSpec, SafetyLabel, SafetyMap,
+    SafetyPlane,
+};
 use evigrid_record::Recorder;
-use evigrid_results::{MethodInfo, MethodResult, RunInfo, RunResult, SettingsText};
+use evigrid_results::{MethodInfo, MethodMaps, MethodResult, RunInfo, RunResult, SettingsText};
 use evigrid_truth::TruthSettings;
+use rerun::components::{Color, Position3D, TriangleIndices, Vector3D, VoxelIndex};
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::log::{Chunk, LogMsg};
-use rerun::{AnnotationContext, SegmentationImage};
+use rerun::{AnnotationContext, Mesh3D, SegmentationImage, VoxelGridMap};
 
 const RIG: StereoRig =
     StereoRig { width: 8, height: 6, focal_px: 7.0, centre_x_px: 3.5, centre_y_px: 2.5, baseline_m: 0.5 };
 
 fn info() -> RunInfo {
     let grid = GridSettings { x_m: [0.0, 3.0], y_m: [-1.0, 1.0], z_m: [-1.0, 1.0], cell_size_m: 1.0 };
-    let layers = vec![LayerKind::Plan, LayerKind::Safety];
+    let mut layers = vec![LayerKind::Plan, LayerKind::Safety];
     RunInfo {
         dataset: "tiny".into(),
         layout: "by hand".into(),
@@ -47,27 +51,43 @@ fn plan() -> PlanGrid {
     plan
 }
 
-/// Level in the rear on the right, inclined in the rear on the left, unsafe in front on the left.
+/// Level in the rear on the right, on a plane at z = -0.5; inclined in the rear on the left, on none; unsafe in
+/// front on the left.
 fn safety() -> SafetyMap {
     let mut map = SafetyMap::unknown(area());
-    for (flat, label) in [(0, SafetyLabel::Level), (1, SafetyLabel::Inclined), (5, SafetyLabel::NonGround)] {
-        map.set(flat, label, None);
-    }
+    let plane = map.add_plane(SafetyPlane { normal: nalgebra::Vector3::z(), offset_m: -0.5 });
+    map.set(0, SafetyLabel::Level, Some(plane));
+    map.set(1, SafetyLabel::Inclined, None);
+    map.set(5, SafetyLabel::NonGround, None);
     map
+}
+
+/// Two layers of voxels over that area: the upper one over the level cell, the lower one of an unknown cell, both
+/// of the unsafe one.
+fn hybrid() -> HybridModel {
+    let grid = GridSettings { x_m: [5.0, 8.0], y_m: [-3.0, -1.0], z_m: [-1.0, 1.0], cell_size_m: 1.0 };
+    let spec = GridSpec::new(&grid).unwrap();
+    let voxels = [[0, 0, 1], [1, 1, 0], [2, 1, 0], [2, 1, 1]].map(|v| spec.flat(v).unwrap() as u32);
+    HybridModel { spec, voxels: voxels.to_vec(), robot_m: [5.5, -2.0, -0.5], robot_height_m: 1.25 }
 }
 
 /// Records one frame without any truth.
 fn record(path: &Path) {
     let info = info();
     let (plan, safety) = (plan(), safety());
-    let layers = vec![vec![Layer::from(&plan), Layer::from(&safety)]];
+    let mut layers = vec![vec![Layer::from(&plan), Layer::from(&safety)]];
     let truth = Truth::laser(info.spec, TruthSettings::default()).unwrap();
     let image = || GrayImage::new(8, 6, vec![100; 48]).unwrap();
     let frame = Frame::new(7, 0, RIG, image(), image(), Pose::identity(), None).unwrap();
+    // Far away, so that no pixel shows a cell of the map.
+    let matching = Matching::from_disparity(Disparity::new(8, 6, vec![0.001; 48]).unwrap());
     let mut recorder = Recorder::create(path.to_owned()).unwrap();
     recorder.begin(&info, &Config::default()).unwrap();
-    let methods = [MethodStep { method: "toy", layers: &layers[0], scores: &[] }];
-    let step = Step { position: 0, frame: &frame, matching: None, truth: &truth, methods: &methods };
+    let model = || Some(hybrid());
+    let methods =
+        [MethodStep { method: "toy", layers: &layers[0], scores: &[], hybrid: LazyModel::new(&model) }];
+    let step =
+        Step { position: 0, frame: &frame, matching: Some(&matching), truth: &truth, methods: &methods };
     recorder.frame(&step).unwrap();
     let result = RunResult {
         methods: vec![MethodResult { method: "toy".into(), scores: Vec::new() }],
@@ -76,7 +96,7 @@ fn record(path: &Path) {
         wall_ms: 0.0,
         stage_totals: Vec::new(),
     };
-    for file in recorder.end(&result, &layers, &truth).unwrap() {
+    for file in recorder.end(&result, &[MethodMaps::from(layers.remove(0))], &truth).unwrap() {
         file.publish().unwrap();
     }
 }
@@ -91,10 +111,15 @@ fn chunks(path: &Path, entity: &str) -> Vec<Chunk> {
     messages.filter(|chunk| chunk.entity_path().to_string() == entity).collect()
 }
 
+/// The values of a component in all rows of an entity.
+fn all<C: rerun::Component>(chunks: &[Chunk], component: rerun::ComponentIdentifier) -> Vec<C> {
+    let batches = chunks.iter().filter_map(|chunk| chunk.component_batch::<C>(component, 0));
+    batches.flat_map(|batch| batch.unwrap()).collect()
+}
+
 /// The only value of a component among all rows of an entity.
 fn only<C: rerun::Component>(chunks: &[Chunk], component: rerun::ComponentIdentifier) -> C {
-    let batches = chunks.iter().filter_map(|chunk| chunk.component_batch::<C>(component, 0));
-    let mut values: Vec<C> = batches.flat_map(|batch| batch.unwrap()).collect();
+    let mut values: Vec<C> = all(chunks, component);
     assert_eq!(values.len(), 1, "{component}");
     values.remove(0)
 }
@@ -132,9 +157,55 @@ fn a_safety_map_has_forward_to_the_right_and_left_upwards() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("recording.rrd");
     record(&path);
-    let (unknown, level, inclined, not_ground) = ([24, 26, 30], [0, 158, 115], [240, 228, 66], [213, 94, 0]);
+    let (unknown, level, inclined, not_ground) =
+        ([112, 116, 124], [0, 114, 178], [86, 180, 233], [230, 130, 0]);
     let expected = [[inclined, unknown, not_ground], [level, unknown, unknown]];
     assert_eq!(colours(&path, "/safety/toy"), expected);
+}
+
+#[test]
+fn safe_ground_is_a_mesh_on_its_plane() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("recording.rrd");
+    record(&path);
+    let ground = chunks(&path, "/world/hybrid/toy/ground");
+    let corners: Vec<Position3D> = all(&ground, Mesh3D::descriptor_vertex_positions().component);
+    let corners: Vec<[f32; 3]> = corners.into_iter().map(|p| p.0.0).collect();
+    assert_eq!(corners, [[5.0, -3.0, -0.5], [6.0, -3.0, -0.5], [6.0, -2.0, -0.5], [5.0, -2.0, -0.5]]);
+    let triangles: Vec<TriangleIndices> = all(&ground, Mesh3D::descriptor_triangle_indices().component);
+    let triangles: Vec<[u32; 3]> = triangles.into_iter().map(|t| t.0.0).collect();
+    assert_eq!(triangles, [[0, 1, 2], [0, 2, 3]]);
+    let colours: Vec<Color> = all(&ground, Mesh3D::descriptor_vertex_colors().component);
+    assert_eq!(colours, [Color::from_rgb(0, 114, 178); 4]);
+}
+
+#[test]
+fn voxels_stand_by_the_label_of_their_column_and_the_robot_on_its_floor() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("recording.rrd");
+    record(&path);
+    let voxels = |group: &str| -> Vec<[i32; 3]> {
+        let chunks = chunks(&path, &format!("/world/hybrid/toy/voxels/{group}"));
+        let found: Vec<VoxelIndex> = all(&chunks, VoxelGridMap::descriptor_voxel_indices().component);
+        found.into_iter().map(|v| v.0.0).collect()
+    };
+    assert_eq!(voxels("non_ground"), [[2, 1, 0], [2, 1, 1]]);
+    assert_eq!(voxels("unknown"), [[1, 1, 0]]);
+    assert_eq!(voxels("over_safe_ground"), [[0, 0, 1]]);
+    let robot = chunks(&path, "/world/hybrid/toy/robot");
+    let origins: Vec<Position3D> = all(&robot, rerun::Arrows3D::descriptor_origins().component);
+    assert!(origins.iter().all(|p| p.0.0 == [5.5, -2.0, -0.5]), "{origins:?}");
+    let vectors: Vec<Vector3D> = all(&robot, rerun::Arrows3D::descriptor_vectors().component);
+    assert_eq!((vectors.len(), vectors[1].0.0), (2, [0.0, 0.0, 1.25]));
+}
+
+#[test]
+fn labels_lie_over_the_left_image_in_its_size() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("recording.rrd");
+    record(&path);
+    let drawn = colours(&path, "/world/left/image/labels/toy");
+    assert_eq!(drawn, vec![vec![[0, 0, 0]; 8]; 6], "no pixel shows a cell of the map");
 }
 
 #[test]

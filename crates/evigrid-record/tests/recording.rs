@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use evigrid_core::{Disparity, Frame, GrayImage, LaserScan, Matching, Pose, StereoRig};
-use evigrid_eval::{Config, MethodStep, Observer, Step, Truth};
+use evigrid_eval::{Config, LazyModel, MethodStep, Observer, Step, Truth};
 use evigrid_grid::{GridSettings, GridSpec, Layer, LayerKind, LogOddsGrid};
 use evigrid_metrics::Scores;
 use evigrid_record::Recorder;
-use evigrid_results::{MethodInfo, MethodResult, RunInfo, RunResult, SettingsText};
+use evigrid_results::{MethodInfo, MethodMaps, MethodResult, RunInfo, RunResult, SettingsText};
 use evigrid_truth::TruthSettings;
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::log::{Chunk, LogMsg};
@@ -67,8 +67,8 @@ fn record(path: &Path, whole: bool) {
         let scores: Vec<Scores> =
             truth.voxels().map(|truth| Scores::voxels(map.values(), &truth, &[])).into_iter().collect();
         let methods = [
-            MethodStep { method: "first", layers: &layers[0], scores: &scores },
-            MethodStep { method: "second", layers: &layers[1], scores: &scores },
+            MethodStep { method: "first", layers: &layers[0], scores: &scores, hybrid: LazyModel::NONE },
+            MethodStep { method: "second", layers: &layers[1], scores: &scores, hybrid: LazyModel::NONE },
         ];
         let matching = Some(&matching);
         let step = Step { position, frame: &frame, matching, truth: &truth, methods: &methods };
@@ -89,7 +89,7 @@ fn record(path: &Path, whole: bool) {
         wall_ms: 0.0,
         stage_totals: Vec::new(),
     };
-    for file in recorder.end(&result, &layers, &truth).unwrap() {
+    for file in recorder.end(&result, &layers.clone().map(MethodMaps::from), &truth).unwrap() {
         file.publish().unwrap();
     }
 }

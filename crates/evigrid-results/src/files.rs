@@ -19,6 +19,12 @@ pub const TRUTH: &str = "truth.npz";
 pub const SAFETY_TRUTH: &str = "truth.safety.npz";
 /// Hits against mistakes over the threshold, one file per method.
 pub const CURVE: FileNames = FileNames { before: "curve.", after: ".csv" };
+/// A safety map as a picture for ROS's map_server, one file per method.
+pub const ROS_PICTURE: FileNames = FileNames { before: "map.", after: ".pgm" };
+/// Where that picture lies, and what its grey levels mean.
+pub const ROS_YAML: FileNames = FileNames { before: "map.", after: ".yaml" };
+/// The 3-D model behind a safety map, one file per method.
+pub const MODEL: FileNames = FileNames { before: "model.", after: ".ply" };
 
 /// All points of a sweep with their scores.
 pub const POINTS: &str = "points.csv";
@@ -81,7 +87,7 @@ pub fn map(kind: LayerKind) -> FileNames {
 pub fn is_of_run(name: &str) -> bool {
     let of_layer = |kind| name == frames(kind) || name == summary(kind) || map(kind).contain(name);
     [CONFIG, RECORDING, RUN, SUMMARY_PAGE, TIMING, TRUTH, SAFETY_TRUTH].contains(&name)
-        || CURVE.contain(name)
+        || [CURVE, ROS_PICTURE, ROS_YAML, MODEL].iter().any(|names| names.contain(name))
         || LayerKind::ALL.into_iter().any(of_layer)
 }
 
@@ -100,7 +106,19 @@ mod tests {
         for name in ["map.line.npz", "plan.a-b.npz", "curve.x.csv", "summary.plan.csv", "truth.safety.npz"] {
             assert!(is_of_run(name), "{name}");
         }
-        for name in ["map.npz", "map.line.csv", "curves.street.csv", "summary.line.csv", "plan.toml", ""] {
+        for name in ["map.a-b.pgm", "map.a-b.yaml", "model.a-b.ply"] {
+            assert!(is_of_run(name), "{name}");
+        }
+        for name in [
+            "map.npz",
+            "map.pgm",
+            "map.yaml",
+            "map.line.csv",
+            "curves.street.csv",
+            "summary.line.csv",
+            "plan.toml",
+            "",
+        ] {
             assert!(!is_of_run(name), "{name}");
         }
         assert!(is_of_sweep(&SWEEP_PICTURE.of("street")) && is_of_sweep("points.csv"));

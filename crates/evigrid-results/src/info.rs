@@ -1,4 +1,4 @@
-use evigrid_grid::{GridSpec, LayerKind, SafetyMap};
+use evigrid_grid::{GridSpec, HybridModel, Layer, LayerKind, SafetyMap};
 use evigrid_metrics::{Scores, VoxelReference};
 use serde_json::Value;
 
@@ -44,6 +44,21 @@ pub struct SettingsText {
     /// A hash that is the same for two runs under the same conditions: recording, frames, and settings that
     /// matter.
     pub hash: String,
+}
+
+/// Final maps of one method.
+#[derive(Debug, Clone)]
+pub struct MethodMaps<'a> {
+    /// Its layers.
+    pub layers: Vec<Layer<'a>>,
+    /// The 3-D model behind its safety map, if it makes one.
+    pub hybrid: Option<HybridModel>,
+}
+
+impl<'a> From<Vec<Layer<'a>>> for MethodMaps<'a> {
+    fn from(layers: Vec<Layer<'a>>) -> Self {
+        Self { layers, hybrid: None }
+    }
 }
 
 /// Final scores of one method.

@@ -7,10 +7,14 @@
 mod compare;
 pub mod files;
 mod info;
+mod label_colours;
 mod layer_file;
 mod map_file;
+mod map_files;
+mod model_file;
 pub mod npz;
 mod outputs;
+mod ros_map;
 mod run_file;
 mod summary;
 mod tables;
@@ -22,10 +26,15 @@ mod writer_tests;
 
 pub use compare::{CompareOptions, Comparison, ToleranceRule, compare, parse_percent};
 pub use files::RECORDING;
-pub use info::{FrameRow, MethodInfo, MethodResult, RunInfo, RunResult, SettingsText, StageTime, TruthFile};
+pub use info::{
+    FrameRow, MethodInfo, MethodMaps, MethodResult, RunInfo, RunResult, SettingsText, StageTime, TruthFile,
+};
+pub use label_colours::{label_rgb, voxel_rgb};
 pub use layer_file::{write_layer, write_plan, write_safety};
 pub use map_file::{MapFile, read_map, write_map, write_truth};
+pub use model_file::write_model;
 pub use outputs::{PendingFile, ResultsFolder, SealedFile};
+pub use ros_map::{write_ros_picture, write_ros_yaml};
 pub use run_file::{RESULTS_FORMAT, run_json};
 pub use summary::markdown_summary;
 pub use tables::{seal, summary_header, write_rows, write_text};

@@ -1,6 +1,8 @@
 //! A small run for the tests.
 
-use evigrid_grid::{GridSettings, GridSpec, LayerKind, LogOddsGrid, PlanGrid, SafetyLabel, SafetyMap};
+use evigrid_grid::{
+    GridSettings, GridSpec, HybridModel, LayerKind, LogOddsGrid, PlanGrid, SafetyLabel, SafetyMap,
+};
 use evigrid_metrics::{PlanReference, PlanState, SafetyCase, SafetyReference, Scores, VoxelReference};
 use serde_json::json;
 
@@ -46,6 +48,11 @@ pub fn safety() -> SafetyMap {
     let mut map = SafetyMap::unknown(info().spec.plan());
     map.set(0, SafetyLabel::NonGround, None);
     map
+}
+
+/// The 3-D model behind it: one voxel.
+pub fn hybrid() -> HybridModel {
+    HybridModel { spec: info().spec, voxels: vec![0], robot_m: [0.0; 3], robot_height_m: 1.0 }
 }
 
 /// Occupied voxels of the truth.

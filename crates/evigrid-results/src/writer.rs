@@ -1,14 +1,15 @@
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use csv::Writer;
-use evigrid_grid::{Layer, LayerKind};
+use evigrid_grid::LayerKind;
 use serde_json::Value;
 
+use crate::map_files::MapFiles;
 use crate::tables::{TIMING_COLUMNS, curve_rows, frame_rows, frames_header, summary_rows, timing_rows};
 use crate::{
-    FrameRow, PendingFile, ResultsFolder, RunInfo, RunResult, SealedFile, StageTime, TruthFile, files,
-    markdown_summary, run_json, seal, write_layer, write_rows, write_safety, write_text, write_truth,
+    FrameRow, MethodMaps, PendingFile, ResultsFolder, RunInfo, RunResult, SealedFile, StageTime, TruthFile,
+    files, markdown_summary, run_json, seal, write_rows, write_text,
 };
 
 /// Parts of the results that a run may leave out.
@@ -59,22 +60,6 @@ struct FrameFiles {
     summary: PendingFile,
 }
 
-/// Files of maps and truth.
-#[derive(Debug)]
-struct MapFiles {
-    layers: Vec<LayerFile>,
-    truth: PendingFile,
-    safety_truth: PendingFile,
-}
-
-/// The file of one layer of a method.
-#[derive(Debug)]
-struct LayerFile {
-    method: usize,
-    kind: LayerKind,
-    file: PendingFile,
-}
-
 impl ResultsWriter {
     /// Opens all files of a run. `build` goes into run.json as it is.
     ///
@@ -122,7 +107,7 @@ impl ResultsWriter {
         }
     }
 
-    /// Writes the rest of the results. `layers` are the final maps of each method. The files are returned for
+    /// Writes the rest of the results. `maps` are the final maps of each method. The files are returned for
     /// [`ResultsFolder::publish`]; run.json is the last of them.
     ///
     /// # Errors
@@ -130,12 +115,12 @@ impl ResultsWriter {
     pub fn finish(
         mut self,
         result: &RunResult,
-        layers: &[Vec<Layer<'_>>],
+        maps: &[MethodMaps<'_>],
         truth: Option<TruthFile<'_>>,
     ) -> Result<Vec<SealedFile>> {
         let mut sealed = Vec::new();
-        if let Some(maps) = self.maps {
-            maps.finish(&self.info, layers, truth, &mut sealed)?;
+        if let Some(files) = self.maps {
+            files.finish(&self.info, maps, truth, &mut sealed)?;
         }
         if let Some(frames) = self.frames {
             frames.finish(&self.info, result, &mut sealed)?;
@@ -185,55 +170,20 @@ impl FrameFiles {
     }
 }
 
-impl MapFiles {
-    fn create(folder: &ResultsFolder, info: &RunInfo) -> Result<Self> {
-        let layers = layers(info).map(|MethodLayer { method, name, kind }| {
-            Ok(LayerFile { method, kind, file: folder.create(&files::map(kind).of(name))? })
-        });
-        Ok(Self {
-            layers: layers.collect::<Result<_>>()?,
-            truth: folder.create(files::TRUTH)?,
-            safety_truth: folder.create(files::SAFETY_TRUTH)?,
-        })
-    }
-
-    fn finish(
-        self,
-        info: &RunInfo,
-        layers: &[Vec<Layer<'_>>],
-        truth: Option<TruthFile<'_>>,
-        sealed: &mut Vec<SealedFile>,
-    ) -> Result<()> {
-        for LayerFile { method, kind, file } in self.layers {
-            let layer = layers.get(method).and_then(|layers| layers.iter().find(|l| l.kind() == kind));
-            let name = &info.methods[method].name;
-            let layer = layer.with_context(|| format!("{name}: expected {}, found none", kind.name()))?;
-            sealed.push(write_layer(file, layer)?);
-        }
-        if let Some(voxels) = truth.and_then(|truth| truth.voxels) {
-            sealed.push(write_truth(self.truth, &voxels)?);
-        }
-        if let Some(safety) = truth.and_then(|truth| truth.safety) {
-            sealed.push(write_safety(self.safety_truth, safety)?);
-        }
-        Ok(())
-    }
-}
-
 fn table(folder: &ResultsFolder, name: &str) -> Result<Writer<PendingFile>> {
     folder.create(name).map(Writer::from_writer)
 }
 
 /// A kind of layer that a method of a run makes.
-struct MethodLayer<'a> {
+pub(crate) struct MethodLayer<'a> {
     /// Position of the method in the run.
-    method: usize,
-    name: &'a str,
-    kind: LayerKind,
+    pub method: usize,
+    pub name: &'a str,
+    pub kind: LayerKind,
 }
 
 /// The layers of all methods of a run.
-fn layers(info: &RunInfo) -> impl Iterator<Item = MethodLayer<'_>> {
+pub(crate) fn layers(info: &RunInfo) -> impl Iterator<Item = MethodLayer<'_>> {
     info.methods.iter().enumerate().flat_map(|(method, info)| {
         info.layers.iter().map(move |kind| MethodLayer { method, name: &info.name, kind: *kind })
     })

@@ -6,9 +6,10 @@ use evigrid_metrics::{Scores, VoxelReference};
 use serde_json::{Value, json};
 
 use crate::npz::Npz;
-use crate::test_run::{OBSERVED, OCCUPIED, info, plan, result, safety, safety_scores, voxels};
+use crate::test_run::{OBSERVED, OCCUPIED, hybrid, info, plan, result, safety, safety_scores, voxels};
 use crate::{
-    FrameRow, Kept, ResultsFolder, ResultsWriter, RunInfo, RunResult, StageTime, TruthFile, has_maps,
+    FrameRow, Kept, MethodMaps, ResultsFolder, ResultsWriter, RunInfo, RunResult, StageTime, TruthFile,
+    has_maps,
 };
 
 /// Writes the run of the tests, with one frame.
@@ -29,8 +30,10 @@ fn write(dir: &Path, info: &RunInfo, result: &RunResult, kept: Kept) {
     let time = |method, stage, ms| StageTime { frame: 2, method, stage, ms };
     writer.times(&[time(None, "match", 1.25), time(Some(1), "integrate", 0.5)], Some(12.34)).unwrap();
     let layers = [vec![Layer::from(&voxels)], vec![(&voxels).into(), (&plan).into(), (&safety).into()]];
+    let mut maps = layers.map(MethodMaps::from);
+    maps[1].hybrid = Some(hybrid());
     let truth = TruthFile { voxels: Some(truth), safety: Some(&safety) };
-    folder.publish(writer.finish(result, &layers, Some(truth)).unwrap()).unwrap();
+    folder.publish(writer.finish(result, &maps, Some(truth)).unwrap()).unwrap();
 }
 
 fn names(dir: &Path) -> Vec<String> {
@@ -47,7 +50,7 @@ fn every_file_is_written() {
     let dir = tempfile::tempdir().unwrap();
     write(dir.path(), &info(), &result(), ALL);
     let expected = "config.toml curve.all.csv curve.line.csv frames.csv frames.plan.csv frames.safety.csv \
-        map.all.npz map.line.npz plan.all.npz run.json safety.all.npz summary.csv summary.md \
+        map.all.npz map.all.pgm map.all.yaml map.line.npz model.all.ply plan.all.npz run.json safety.all.npz summary.csv summary.md \
         summary.plan.csv summary.safety.csv timing.csv truth.npz truth.safety.npz";
     assert_eq!(names(dir.path()).join(" "), expected);
     assert!(has_maps(dir.path(), &info()));
@@ -183,8 +186,8 @@ fn a_layer_that_is_missing_is_named() {
     let (folder, _) = ResultsFolder::open(dir.path()).unwrap();
     let writer = ResultsWriter::create(&folder, &info(), Value::Null, ALL).unwrap();
     let map = voxels();
-    let layers = [vec![Layer::from(&map)], vec![Layer::from(&map)]];
-    let error = writer.finish(&result(), &layers, None).unwrap_err().to_string();
+    let maps = [vec![Layer::from(&map)], vec![Layer::from(&map)]].map(MethodMaps::from);
+    let error = writer.finish(&result(), &maps, None).unwrap_err().to_string();
     assert_eq!(error, format!("all: expected {}, found none", LayerKind::Plan.name()));
     assert!(names(dir.path()).is_empty(), "a run that fails leaves nothing behind");
 }

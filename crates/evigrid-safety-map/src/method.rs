@@ -1,5 +1,7 @@
 use evigrid_core::{MatchFilter, Pose, SettingError, View};
-use evigrid_grid::{GridSpec, Layer, LayerKind, MapError, Mapper, Method, Needs, SafetyLabel, SafetyMap};
+use evigrid_grid::{
+    GridSpec, HybridModel, Layer, LayerKind, MapError, Mapper, Method, Needs, SafetyLabel, SafetyMap,
+};
 
 use crate::columns::Columns;
 use crate::labels::label_columns;
@@ -16,8 +18,9 @@ pub struct SafetyMapping {
     spec: GridSpec,
     /// The model; `None` before the first frame, which tells where the floor is.
     model: Option<Model>,
-    /// The robot at the first frame, and the pose of the camera at the last frame that was used.
+    /// The robot at the first frame and at the last one that was used, and the pose of the camera there.
     first: Option<Robot>,
+    robot: Option<Robot>,
     last_pose: Option<Pose>,
     readings: Readings,
     columns: Columns,
@@ -36,6 +39,7 @@ impl SafetyMapping {
             spec,
             model: None,
             first: None,
+            robot: None,
             last_pose: None,
             readings: Readings::default(),
             columns: Columns::none(spec.plan()),
@@ -84,7 +88,7 @@ impl Mapper for SafetyMapping {
         if !self.has_moved(view.map_from_left) {
             return Ok(());
         }
-        self.last_pose = Some(*view.map_from_left);
+        (self.last_pose, self.robot) = (Some(*view.map_from_left), Some(robot));
         let first = *self.first.get_or_insert(robot);
         let placed = self.placed_grid(first.floor_m);
         let settings = self.settings;
@@ -110,6 +114,30 @@ impl Mapper for SafetyMapping {
     fn layers(&self) -> Vec<Layer<'_>> {
         vec![Layer::from(&self.map)]
     }
+
+    fn hybrid_model(&self) -> Option<HybridModel> {
+        let (model, robot) = (self.model.as_ref()?, self.robot?);
+        let [x, y] = robot.at_m;
+        Some(HybridModel {
+            spec: *model.spec(),
+            voxels: voxels_off_the_ground(model, &self.columns, &self.map),
+            robot_m: [x, y, robot.floor_m],
+            robot_height_m: self.settings.robot_height_m,
+        })
+    }
+}
+
+/// The occupied voxels of the examined columns, but for those up to the height of a safe one: they are its ground.
+fn voxels_off_the_ground(model: &Model, columns: &Columns, map: &SafetyMap) -> Vec<u32> {
+    let layers = model.spec().shape()[2];
+    let above_ground = |column: usize| {
+        let is_safe = map.labels()[column].is_safe() == Some(true);
+        let ground = columns.height(column).filter(|_| is_safe);
+        let first = ground.map_or(0, |height| height as usize + 1);
+        column * layers + first..(column + 1) * layers
+    };
+    let voxels = columns.examined().flat_map(above_ground).filter(|&flat| model.is_occupied(flat));
+    voxels.map(|flat| flat as u32).collect()
 }
 
 /// By how many voxels a grid must be moved so that it lies around the robot as at first.

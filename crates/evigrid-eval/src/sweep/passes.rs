@@ -1,8 +1,7 @@
 //! Passes over a recording for many points.
 
 use anyhow::Result;
-use evigrid_grid::Layer;
-use evigrid_results::RunResult;
+use evigrid_results::{MethodMaps, RunResult};
 use rayon::prelude::*;
 
 use super::point::Point;
@@ -43,8 +42,8 @@ pub(super) struct PointResult<'a> {
     pub point: &'a Point,
     /// The result that a run of it would have.
     pub run: RunResult,
-    /// Its layers.
-    pub layers: Vec<Layer<'a>>,
+    /// Its maps.
+    pub maps: MethodMaps<'a>,
     /// Its truth.
     pub truth: &'a Truth,
 }
@@ -66,8 +65,8 @@ pub(super) fn run_pass(
         Ok(())
     })?;
     (0..pass.len()).into_par_iter().try_for_each(|number| {
-        let layers = pass.layers(number);
-        let run = pass.run_result(number, vec![pass.method_result(number, &layers)]);
-        write(&PointResult { point: points[number], run, layers, truth: pass.truth(number) })
+        let maps = pass.maps(number);
+        let run = pass.run_result(number, vec![pass.method_result(number, &maps.layers)]);
+        write(&PointResult { point: points[number], run, maps, truth: pass.truth(number) })
     })
 }

@@ -37,7 +37,7 @@ impl PointFolders<'_> {
         let (folder, _) = ResultsFolder::open(&self.path(found.point))?;
         let kept = Kept { frames: false, maps: self.maps };
         let writer = ResultsWriter::create(&folder, &found.point.job.info, self.build.clone(), kept)?;
-        folder.publish(writer.finish(&found.run, std::slice::from_ref(&found.layers), found.truth.file())?)
+        folder.publish(writer.finish(&found.run, std::slice::from_ref(&found.maps), found.truth.file())?)
     }
 
     /// The finding of a point, if its folder is whole and the same program wrote it.

@@ -54,7 +54,7 @@ pub fn map_together<T: Send>(
     let write = |found: &PointResult<'_>| {
         let result = found.run.methods.first().context("a run without a method")?;
         let info = &found.point.job.info;
-        let value = look(&Mapped { info, result, layers: &found.layers, truth: found.truth })?;
+        let value = look(&Mapped { info, result, layers: &found.maps.layers, truth: found.truth })?;
         let number = points.iter().position(|p| std::ptr::eq(p, found.point));
         let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(slot) = number.and_then(|number| seen.get_mut(number)) {
@@ -74,15 +74,15 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::{Observer, Plan, RealClock, evaluate};
-    use evigrid_results::{ResultsFolder, RunResult, SealedFile};
+    use evigrid_results::{MethodMaps, ResultsFolder, RunResult, SealedFile};
 
     /// Bits of the map at the end of a run.
     #[derive(Default)]
     struct Bits(Vec<u32>);
 
     impl Observer for Bits {
-        fn end(&mut self, _: &RunResult, layers: &[Vec<Layer<'_>>], _: &Truth) -> Result<Vec<SealedFile>> {
-            self.0 = bits(layers[0][0].voxels().unwrap());
+        fn end(&mut self, _: &RunResult, maps: &[MethodMaps<'_>], _: &Truth) -> Result<Vec<SealedFile>> {
+            self.0 = bits(maps[0].layers[0].voxels().unwrap());
             Ok(Vec::new())
         }
     }
