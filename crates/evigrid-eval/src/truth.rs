@@ -2,11 +2,12 @@ use std::ops::Range;
 
 use anyhow::{Context, Result};
 use evigrid_core::{Frame, Mounting, Pose};
-use evigrid_grid::{GridSpec, Layer, LayerKind, PlanGrid, SafetyMap, levels_in_band, projected};
+use evigrid_grid::{GridSpec, Layer, LayerKind, PlanGrid, SafetyMap, SafetyRules, levels_in_band, projected};
 use evigrid_metrics::{PlanReference, PlanningDisc, SafetyCase, SafetyReference, Scores, VoxelReference};
 use evigrid_results::TruthFile;
-use evigrid_synth::{SafetySettings, SafetyTruth, VoxelState, VoxelTruth};
-use evigrid_truth::{LaserTruth, TruthSettings, TruthSource};
+
+use evigrid_synth::{SafetyTruth, VoxelState, VoxelTruth};
+use evigrid_truth::{LaserSafety, LaserTruth, RobotPlace, TruthSettings, TruthSource};
 
 use crate::plan::RunJob;
 use crate::{Config, Recording};
@@ -78,7 +79,7 @@ impl Truth {
             }
             _ => Voxels::Laser(LaserTruth::new(spec, config.truth)?),
         };
-        let safety = exact_safety(job, recording)?.map(SafetyReference::new);
+        let safety = safety_reference(job, recording)?;
         let radius_m = config.score.safety_radius_m;
         let robot = Robot { mounting: job.mounting, radius_m, ..Robot::default() };
         Ok(Self { voxels, safety, robot, band, without_laser: Vec::new() })
@@ -203,14 +204,41 @@ fn plan_levels(spec: &GridSpec, config: &Config, mounting: Mounting) -> Range<us
     levels_in_band(spec, config.score.plan_band_m.map(|height_m| height_m - mounting.height_m))
 }
 
-/// The exact safety labels of a world, if a method shows such labels and the world tells of a robot.
-fn exact_safety(job: &RunJob, recording: &Recording) -> Result<Option<SafetyMap>> {
-    let (true, TruthSource::Exact, Some(world)) =
-        (job.shows(LayerKind::Safety), job.config.truth.source, recording.world())
-    else {
+/// The true safety labels, if a method shows such labels: those of a world that tells of a robot, or those of all
+/// laser scans of the run. They are whole before the first map is scored.
+fn safety_reference(job: &RunJob, recording: &Recording) -> Result<Option<SafetyReference>> {
+    if !job.shows(LayerKind::Safety) {
         return Ok(None);
-    };
-    let (spec, first) = (job.info.spec, job.info.frames[0]);
-    let truth = SafetyTruth::new(world, spec, &job.map_from_world, first, &SafetySettings::default());
-    Ok(Some(truth.context("truth.source = exact")?.map()))
+    }
+    match (job.config.truth.source, recording.world(), job.mounting) {
+        (TruthSource::Exact, Some(world), _) => {
+            let (spec, first) = (job.info.spec, job.info.frames[0]);
+            let truth = SafetyTruth::new(world, spec, &job.map_from_world, first, &SafetyRules::default());
+            Ok(Some(SafetyReference::new(truth.context("truth.source = exact")?.map())))
+        }
+        (TruthSource::Laser, _, Some(mounting)) => laser_safety(job, recording, mounting),
+        _ => Ok(None),
+    }
+}
+
+/// The safety labels of all laser scans of the run; `None` without any.
+fn laser_safety(job: &RunJob, recording: &Recording, mounting: Mounting) -> Result<Option<SafetyReference>> {
+    let (sequence, score, min_range_m) =
+        (recording.sequence(), &job.config.score, job.config.truth.min_range_m);
+    let mut truth = LaserSafety::new(job.info.spec.plan(), SafetyRules::default(), min_range_m);
+    let mut start = None;
+    for &frame in &job.info.frames {
+        let pose = job.map_from_world * sequence.world_from_left(frame)?;
+        let robot = RobotPlace {
+            at_m: mounting.robot_m(&pose),
+            floor_m: pose.translation.z - mounting.height_m,
+            height_m: score.safety_robot_height_m,
+            radius_m: score.safety_radius_m,
+        };
+        if let Some(scan) = sequence.laser(frame, &job.map_from_world)? {
+            truth.add_scan(&scan, &robot);
+            start.get_or_insert(robot);
+        }
+    }
+    Ok(start.map(|start| SafetyReference::new(truth.map(&start)).with_heights(truth.heights_m())))
 }

@@ -10,9 +10,11 @@ mod layer;
 mod log_odds;
 mod mapper;
 mod method;
+mod neighbours;
 mod plan_grid;
 mod project;
 mod ray_walk;
+mod safe_ground;
 mod safety_map;
 mod view_rays;
 
@@ -27,5 +29,6 @@ pub use method::{Method, Needs};
 pub use plan_grid::PlanGrid;
 pub use project::{levels_in_band, projected};
 pub use ray_walk::{RayWalk, WalkAxis};
+pub use safe_ground::{Border, Plan, SafetyRules, Segments, Surface, Verdict};
 pub use safety_map::{SafetyLabel, SafetyMap, SafetyPlane};
 pub use view_rays::ViewRays;

@@ -1,61 +1,8 @@
 use evigrid_grid::{PlanSpec, SafetyLabel, SafetyMap, SafetyPlane};
 
 use crate::ratio;
-
-/// A true safety map, with the cells next to a border between safe and unsafe ones.
-#[derive(Debug, Clone)]
-pub struct SafetyReference {
-    map: SafetyMap,
-    is_at_border: Vec<bool>,
-}
-
-impl SafetyReference {
-    /// The reference of a true map.
-    pub fn new(map: SafetyMap) -> Self {
-        let is_at_border = (0..map.labels().len()).map(|cell| is_at_border(&map, cell)).collect();
-        Self { map, is_at_border }
-    }
-
-    /// The true map.
-    pub fn map(&self) -> &SafetyMap {
-        &self.map
-    }
-
-    /// Whether a neighbour of a cell is unsafe and the cell safe, or the other way round. A laser map that was
-    /// annotated by hand could not resolve such cells.
-    pub fn is_at_border(&self, flat: usize) -> bool {
-        self.is_at_border[flat]
-    }
-}
-
-fn is_at_border(map: &SafetyMap, flat: usize) -> bool {
-    let own = map.labels()[flat].is_safe();
-    let ([i, j], mut around) = (map.spec().cell(flat), (0..9).map(|n| [n / 3 - 1, n % 3 - 1]));
-    own.is_some()
-        && around.any(|[di, dj]| {
-            let neighbour = map.spec().flat([i as i64 + di, j as i64 + dj]);
-            let other = neighbour.and_then(|neighbour| map.labels()[neighbour].is_safe());
-            other.is_some_and(|other| Some(other) != own)
-        })
-}
-
-/// The part of a plan that a safety map is asked about: a disc around the robot.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlanningDisc {
-    /// The robot's place in the map frame, metres.
-    pub at_m: [f64; 2],
-    /// The planning radius, metres.
-    pub radius_m: f64,
-}
-
-impl PlanningDisc {
-    /// Whether the centre of a cell lies within, the radius itself included.
-    pub fn contains(&self, spec: &PlanSpec, flat: usize) -> bool {
-        let [x, y] = spec.centre_m(flat);
-        let [dx, dy] = [x - self.at_m[0], y - self.at_m[1]];
-        dx * dx + dy * dy <= self.radius_m * self.radius_m + 1e-9
-    }
-}
+use crate::robust_plane::robust_plane;
+use crate::safety_reference::{PlanningDisc, SafetyReference};
 
 /// A safety map counted against the true one, after one frame or summed over frames.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -108,7 +55,7 @@ impl SafetyCase {
     /// of it if none.
     pub fn new(found: &SafetyMap, truth: &SafetyReference, disc: Option<PlanningDisc>) -> Self {
         let (mut case, map) = (Self::default(), truth.map());
-        let mut planes = PlanePairs::new(found, map);
+        let mut planes = PlanePairs::new(found, truth);
         for (flat, label) in map.labels().iter().enumerate() {
             let Some(safe) = label.is_safe() else { continue };
             if !disc.is_none_or(|disc| disc.contains(map.spec(), flat)) {
@@ -177,13 +124,13 @@ impl PlaneErrors {
 /// The cells of the planes of safe ground, with the true planes below them.
 struct PlanePairs<'a> {
     found: &'a SafetyMap,
-    truth: &'a SafetyMap,
+    truth: &'a SafetyReference,
     /// For each found plane its cells, in both maps.
     cells: Vec<Vec<[usize; 2]>>,
 }
 
 impl<'a> PlanePairs<'a> {
-    fn new(found: &'a SafetyMap, truth: &'a SafetyMap) -> Self {
+    fn new(found: &'a SafetyMap, truth: &'a SafetyReference) -> Self {
         Self { found, truth, cells: vec![Vec::new(); found.planes().len()] }
     }
 
@@ -202,18 +149,27 @@ impl<'a> PlanePairs<'a> {
             let errors = if slope_deg > 3.0 { &mut case.inclined_planes } else { &mut case.level_planes };
             errors.count += 1;
             errors.angle_deg += plane.normal.angle(&true_plane.normal).to_degrees();
-            errors.distance_m += mean_distance_m(plane, true_plane, self.found.spec(), cells);
+            errors.distance_m += mean_distance_m(plane, &true_plane, self.found.spec(), cells);
         }
     }
 
-    fn true_plane(&self, cells: &[[usize; 2]]) -> Option<&'a SafetyPlane> {
-        let mut votes = vec![0_u32; self.truth.planes().len()];
-        for plane in cells.iter().filter_map(|&[_, truth]| self.truth.plane_numbers()[truth]) {
+    /// The true plane of these cells: the one that most of them lie on, or that of their measured heights.
+    fn true_plane(&self, cells: &[[usize; 2]]) -> Option<SafetyPlane> {
+        let (map, heights_m) = (self.truth.map(), self.truth.heights_m());
+        if !heights_m.is_empty() {
+            let point = |&[_, cell]: &[usize; 2]| {
+                let [x, y] = map.spec().centre_m(cell);
+                [x, y, heights_m[cell]]
+            };
+            return robust_plane(cells.iter().map(point).filter(|point| point[2].is_finite()).collect());
+        }
+        let mut votes = vec![0_u32; map.planes().len()];
+        for plane in cells.iter().filter_map(|&[_, truth]| map.plane_numbers()[truth]) {
             votes[plane as usize] += 1;
         }
         let most = votes.iter().copied().max().filter(|&most| most > 0)?;
         let number = votes.iter().position(|&count| count == most)?;
-        Some(&self.truth.planes()[number])
+        Some(map.planes()[number])
     }
 }
 

@@ -34,12 +34,14 @@ impl FrameParts {
     pub fn read(self, rig: StereoRig) -> Result<Frame, ReplayError> {
         let (left, left_png) = self.image("left image", &self.left, &rig)?;
         let (right, _) = self.image("right image", &self.right, &rig)?;
-        let laser = match &self.laser {
-            Some(files) => self.scan(files)?,
-            None => None,
-        };
+        let laser = self.read_laser()?;
         let frame = Frame::new(self.index, self.stamp_ns, rig, left, right, self.map_from_left, laser);
         Ok(frame.map_err(|source| self.misfit(source, &self.left))?.with_left_png(left_png))
+    }
+
+    /// Reads the laser scan alone, if there is one.
+    pub fn read_laser(&self) -> Result<Option<LaserScan>, ReplayError> {
+        self.laser.as_ref().map_or(Ok(None), |files| self.scan(files))
     }
 
     fn image(

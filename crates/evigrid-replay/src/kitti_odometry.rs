@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use evigrid_core::{Frame, Pose};
+use evigrid_core::{Frame, LaserScan, Pose};
 
 use crate::calibration::{ProjectionMatrix, RectifiedPair, level_pose, pose_from_matrix, rectified_pair};
 use crate::check_folder::{CalibrationKey, Inspection};
@@ -97,19 +97,12 @@ impl KittiOdometry {
     }
 }
 
-impl Sequence for KittiOdometry {
-    fn info(&self) -> &SequenceInfo {
-        &self.info
-    }
-
-    fn world_from_left(&self, index: usize) -> Result<Pose, ReplayError> {
-        Ok(self.world_from_rectified(index)? * self.calibration.pair.left_from_rectified.inverse())
-    }
-
-    fn frame(&self, index: usize, map_from_world: &Pose) -> Result<Frame, ReplayError> {
+impl KittiOdometry {
+    /// The places of the parts of a frame.
+    fn parts(&self, index: usize, map_from_world: &Pose) -> Result<FrameParts, ReplayError> {
         let map_from_rectified = map_from_world * self.world_from_rectified(index)?;
         let laser = self.calibration.rectified_from_laser;
-        FrameParts {
+        Ok(FrameParts {
             index,
             stamp_ns: self.stamps_ns[index],
             left: LEFT.path(&self.dir, index),
@@ -120,8 +113,25 @@ impl Sequence for KittiOdometry {
                 origins: Some(ORIGINS.path(&self.dir, index)),
                 map_from_laser: map_from_rectified * laser,
             }),
-        }
-        .read(self.info.rig)
+        })
+    }
+}
+
+impl Sequence for KittiOdometry {
+    fn info(&self) -> &SequenceInfo {
+        &self.info
+    }
+
+    fn world_from_left(&self, index: usize) -> Result<Pose, ReplayError> {
+        Ok(self.world_from_rectified(index)? * self.calibration.pair.left_from_rectified.inverse())
+    }
+
+    fn frame(&self, index: usize, map_from_world: &Pose) -> Result<Frame, ReplayError> {
+        self.parts(index, map_from_world)?.read(self.info.rig)
+    }
+
+    fn laser(&self, index: usize, map_from_world: &Pose) -> Result<Option<LaserScan>, ReplayError> {
+        self.parts(index, map_from_world)?.read_laser()
     }
 }
 

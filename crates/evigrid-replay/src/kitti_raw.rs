@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use evigrid_core::{Frame, Mounting, Pose};
+use evigrid_core::{Frame, LaserScan, Mounting, Pose};
 
 use crate::calibration::{ProjectionMatrix, RectifiedPair, pose, rectified_pair, rotation};
 use crate::check_folder::{CalibrationKey, Inspection};
@@ -109,18 +109,11 @@ impl KittiRaw {
     }
 }
 
-impl Sequence for KittiRaw {
-    fn info(&self) -> &SequenceInfo {
-        &self.info
-    }
-
-    fn world_from_left(&self, index: usize) -> Result<Pose, ReplayError> {
-        Ok(self.world_from_imu(index)? * self.imu_from_left)
-    }
-
-    fn frame(&self, index: usize, map_from_world: &Pose) -> Result<Frame, ReplayError> {
+impl KittiRaw {
+    /// The places of the parts of a frame.
+    fn parts(&self, index: usize, map_from_world: &Pose) -> Result<FrameParts, ReplayError> {
         let map_from_imu = map_from_world * self.world_from_imu(index)?;
-        FrameParts {
+        Ok(FrameParts {
             index,
             stamp_ns: self.stamps_ns[index],
             left: LEFT.path(&self.dir, index),
@@ -131,8 +124,25 @@ impl Sequence for KittiRaw {
                 origins: None,
                 map_from_laser: map_from_imu * self.imu_from_laser,
             }),
-        }
-        .read(self.info.rig)
+        })
+    }
+}
+
+impl Sequence for KittiRaw {
+    fn info(&self) -> &SequenceInfo {
+        &self.info
+    }
+
+    fn world_from_left(&self, index: usize) -> Result<Pose, ReplayError> {
+        Ok(self.world_from_imu(index)? * self.imu_from_left)
+    }
+
+    fn frame(&self, index: usize, map_from_world: &Pose) -> Result<Frame, ReplayError> {
+        self.parts(index, map_from_world)?.read(self.info.rig)
+    }
+
+    fn laser(&self, index: usize, map_from_world: &Pose) -> Result<Option<LaserScan>, ReplayError> {
+        self.parts(index, map_from_world)?.read_laser()
     }
 }
 

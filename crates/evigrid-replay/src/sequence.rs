@@ -1,4 +1,4 @@
-use evigrid_core::{Frame, Mounting, Pose, StereoRig};
+use evigrid_core::{Frame, LaserScan, Mounting, Pose, StereoRig};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::ReplayError;
@@ -35,6 +35,14 @@ pub trait Sequence: Send + Sync {
     /// # Errors
     /// If the frame does not exist or a file of it (other than a missing laser scan) cannot be read.
     fn frame(&self, index: usize, map_from_world: &Pose) -> Result<Frame, ReplayError>;
+
+    /// Reads the laser scan of frame `index` alone, where the layout can; `None` if the frame has none.
+    ///
+    /// # Errors
+    /// As [`Self::frame`].
+    fn laser(&self, index: usize, map_from_world: &Pose) -> Result<Option<LaserScan>, ReplayError> {
+        Ok(self.frame(index, map_from_world)?.laser().cloned())
+    }
 }
 
 /// The map frame of a run: gravity-aligned, origin at the left camera of the first used frame, x along that

@@ -3,9 +3,10 @@
 use std::io::Cursor;
 
 use anyhow::Result;
-use evigrid_grid::SafetyLabel;
+use evigrid_grid::{SafetyLabel, SafetyRules};
 use evigrid_replay::map_from_world;
-use evigrid_synth::{SafetySettings, SafetyTruth, World};
+
+use evigrid_synth::{SafetyTruth, World};
 use image::{GrayImage, ImageFormat, Luma};
 
 /// Edge of a cell in the picture, pixels.
@@ -34,7 +35,7 @@ fn safety_map(name: &str) -> Result<GrayImage> {
     let world = World::builtin(name)?;
     let map_from_world = map_from_world(&world.true_world_from_left(0));
     let spec = world.truth_grid();
-    let truth = SafetyTruth::new(&world, spec, &map_from_world, 0, &SafetySettings::default())?;
+    let truth = SafetyTruth::new(&world, spec, &map_from_world, 0, &SafetyRules::default())?;
     let [nx, ny] = [0, 1].map(|a| spec.shape()[a] as u32);
     Ok(GrayImage::from_fn(ny * CELL, nx * CELL, |x, y| {
         let (i, j) = (nx - 1 - y / CELL, ny - 1 - x / CELL);

@@ -54,8 +54,8 @@ mod write;
 
 pub use error::SynthError;
 pub use exact::{
-    BoardView, GroundColumn, GroundPlane, GroundSurface, Hazard, SafetySettings, SafetyTruth, TerrainTruth,
-    Track, VoxelState, VoxelTruth, boards, ground_planes, hazards, hazards_or_nothing, tracks,
+    BoardView, GroundColumn, GroundPlane, GroundSurface, Hazard, SafetyTruth, TerrainTruth, Track,
+    VoxelState, VoxelTruth, boards, ground_planes, hazards, hazards_or_nothing, tracks,
 };
 pub use hazard_kind::HazardKind;
 pub use sequence::SyntheticSequence;

@@ -37,6 +37,10 @@ impl SyntheticSequence {
         PathBuf::from(format!("synth:{}", self.info.id))
     }
 
+    fn misfit(&self, index: usize, source: CoreError) -> ReplayError {
+        ReplayError::Frame { index, source, path: self.place() }
+    }
+
     fn require(&self, index: usize) -> Result<(), ReplayError> {
         let frame_count = self.info.frame_count;
         if index < frame_count {
@@ -135,10 +139,12 @@ impl Sequence for SyntheticSequence {
 
     fn frame(&self, index: usize, map_from_world: &Pose) -> Result<Frame, ReplayError> {
         self.require(index)?;
-        self.render(index, map_from_world).map_err(|source| ReplayError::Frame {
-            index,
-            source,
-            path: self.place(),
-        })
+        self.render(index, map_from_world).map_err(|source| self.misfit(index, source))
+    }
+
+    fn laser(&self, index: usize, map_from_world: &Pose) -> Result<Option<LaserScan>, ReplayError> {
+        self.require(index)?;
+        let scan = self.scan(&self.world.scene(index), index, map_from_world);
+        scan.map_err(|source| self.misfit(index, source))
     }
 }

@@ -85,11 +85,19 @@ pub struct ScoreSettings {
     /// Planning radius: safety maps are scored in cells whose centres are at most so far from the robot. Unit:
     /// m. Source: Murarka and Kuipers 2009, Algorithm 1 (R_max).
     pub safety_radius_m: f64,
+    /// Height of the robot of the laser's safety map: what is higher over the floor does not matter. Unit: m.
+    /// Source: own choice; the robot of the built-in worlds.
+    pub safety_robot_height_m: f64,
 }
 
 impl Default for ScoreSettings {
     fn default() -> Self {
-        Self { tolerances_m: vec![0.2, 0.4], plan_band_m: [0.3, 1.8], safety_radius_m: 4.0 }
+        Self {
+            tolerances_m: vec![0.2, 0.4],
+            plan_band_m: [0.3, 1.8],
+            safety_radius_m: 4.0,
+            safety_robot_height_m: 1.3,
+        }
     }
 }
 
@@ -107,9 +115,14 @@ impl ScoreSettings {
             let ok = *t >= 0.0 && *t <= most;
             require_setting(ok, "score", "tolerances_m", format!("metres from 0 to {most} (20 cells)"), t)?;
         }
-        let radius = self.safety_radius_m;
-        let ok = radius.is_finite() && radius > 0.0;
-        require_setting(ok, "score", "safety_radius_m", "a positive number", radius)?;
+        let lengths = [
+            ("safety_radius_m", self.safety_radius_m),
+            ("safety_robot_height_m", self.safety_robot_height_m),
+        ];
+        for (key, length) in lengths {
+            let ok = length.is_finite() && length > 0.0;
+            require_setting(ok, "score", key, "a positive number", length)?;
+        }
         let [from, to] = self.plan_band_m;
         let found = format!("[{from}, {to}]");
         let ok = from.is_finite() && to.is_finite() && from < to;

@@ -11,10 +11,21 @@ use crate::job::Job;
 /// The worlds that stand for the paper's five data sets.
 pub const WORLDS: [&str; 5] = ["safety-1", "safety-2", "safety-3", "safety-4", "safety-5"];
 
-/// How the pairs are matched. The paper uses the matcher of Videre, without its settings. Those of `block` are the
-/// defaults of ROS's stereo_image_proc, whose block matcher descends from Videre's (a left-right check of 1 px and
-/// speckles by steps of 1 px are this program's).
-pub const MATCHERS: [(&str, &[&str]); 2] = [
+/// How the pairs are matched. The paper uses correlation at several scales, the matcher of Videre, without its
+/// settings. Those here are the defaults of ROS's stereo_image_proc, whose block matcher descends from Videre's (a
+/// left-right check of 1 px and speckles by steps of 1 px are this program's); with several scales the limits on
+/// uniqueness and texture are those of that matcher.
+pub const MATCHERS: [(&str, &[&str]); 3] = [
+    (
+        "multi-scale",
+        &[
+            "stereo.matcher=multi-scale",
+            "stereo.disparities=64",
+            "stereo.pre_filter=sobel-x",
+            "stereo.window=15",
+            "stereo.speckle_pixels=100",
+        ],
+    ),
     (
         "block",
         &[

@@ -5,8 +5,9 @@ use evigrid_replay::map_from_world;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::*;
+use crate::exact::SafetyTruth;
 use crate::exact::fixtures::{a_box, grid, world};
-use crate::exact::{SafetySettings, SafetyTruth};
+use evigrid_grid::SafetyRules;
 
 /// A floor with a block of 1 m x 1 m about (6.5, 0.5), and these areas.
 fn block(areas: &str) -> World {
@@ -34,7 +35,7 @@ fn on_metres(areas: &str) -> Result<Vec<Hazard>, SynthError> {
     let world = block(areas);
     let spec = grid([0.0, 10.0], [-5.0, 5.0], [-2.0, 2.0], 1.0);
     let map = Pose::identity();
-    let truth = SafetyTruth::new(&world, spec, &map, 0, &SafetySettings::default()).unwrap();
+    let truth = SafetyTruth::new(&world, spec, &map, 0, &SafetyRules::default()).unwrap();
     hazards(&world, &map, &truth.map())
 }
 
@@ -63,7 +64,7 @@ fn areas_stay_where_they_are_when_the_map_turns() {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -std::f64::consts::FRAC_PI_2);
     let map = Pose::from_parts(Vector3::zeros().into(), turn);
     let spec = grid([-5.0, 5.0], [-10.0, 0.0], [-2.0, 2.0], 1.0);
-    let truth = SafetyTruth::new(&world, spec, &map, 0, &SafetySettings::default()).unwrap();
+    let truth = SafetyTruth::new(&world, spec, &map, 0, &SafetyRules::default()).unwrap();
     let found = hazards(&world, &map, &truth.map()).unwrap();
     assert_eq!((&found[0].cells[..], &found[1].cells[..]), (&[53][..], &[63][..]));
 }
@@ -84,7 +85,7 @@ fn an_area_without_cells_is_refused_by_its_name() {
 fn built_in(name: &str) -> (World, Pose, SafetyMap) {
     let world = World::builtin(name).unwrap();
     let map = map_from_world(&world.true_world_from_left(0));
-    let truth = SafetyTruth::new(&world, world.truth_grid(), &map, 0, &SafetySettings::default()).unwrap();
+    let truth = SafetyTruth::new(&world, world.truth_grid(), &map, 0, &SafetyRules::default()).unwrap();
     (world, map, truth.map())
 }
 

@@ -14,8 +14,6 @@ mod placed;
 mod planes;
 mod safety;
 mod safety_map;
-mod safety_settings;
-mod segments;
 #[cfg(test)]
 mod surface_points;
 mod terrain;
@@ -27,7 +25,6 @@ pub use boards::{BoardView, boards};
 pub use hazards::{Hazard, hazards, hazards_or_nothing};
 pub use planes::{GroundPlane, ground_planes};
 pub use safety::SafetyTruth;
-pub use safety_settings::SafetySettings;
 pub use terrain::{GroundColumn, GroundSurface, TerrainTruth};
 pub use tracks::{Track, tracks};
 pub use voxels::{VoxelState, VoxelTruth};

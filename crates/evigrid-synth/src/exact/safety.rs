@@ -1,13 +1,11 @@
 //! Where a robot can drive, by the definitions of a published method but with the world's real surfaces.
 
 use evigrid_core::Pose;
-use evigrid_grid::{GridSpec, SafetyLabel, SafetyMap};
+use evigrid_grid::{GridSpec, Plan, SafetyLabel, SafetyMap, SafetyRules, Surface, Verdict};
 use rayon::prelude::*;
 
 use super::safety_map::safety_map;
-use super::safety_settings::SafetySettings;
-use super::segments::{Plan, Segments};
-use super::terrain::{GroundColumn, GroundSurface, Probe, cell_point};
+use super::terrain::{GroundColumn, Probe, cell_point};
 use crate::{SynthError, World};
 
 /// True safety labels of the cells (i, j) of a grid's ground plan.
@@ -28,7 +26,7 @@ pub struct SafetyTruth {
     spec: GridSpec,
     labels: Vec<SafetyLabel>,
     /// The surface of each cell that is on a surface and has no edge.
-    surfaces: Vec<Option<GroundSurface>>,
+    surfaces: Vec<Option<Surface>>,
 }
 
 /// Places along each edge of a cell where its surface is looked at.
@@ -39,7 +37,7 @@ const PLACES: usize = 4;
 enum Examined {
     Nothing,
     Obstacle,
-    Ground(GroundSurface),
+    Ground(Surface),
 }
 
 impl SafetyTruth {
@@ -53,7 +51,7 @@ impl SafetyTruth {
         spec: GridSpec,
         map_from_world: &Pose,
         first_frame: usize,
-        settings: &SafetySettings,
+        rules: &SafetyRules,
     ) -> Result<Self, SynthError> {
         let probe = Probe::new(world, map_from_world, first_frame)?;
         let [nx, ny, _] = spec.shape();
@@ -61,13 +59,13 @@ impl SafetyTruth {
         let is_near = |cell: [usize; 2]| {
             let [x, y] = cell_point(&spec, cell, [0.5, 0.5]);
             let away = libm::hypot(x - probe.robot_m[0], y - probe.robot_m[1]);
-            settings.max_range_m.is_none_or(|limit| away <= limit)
+            rules.max_range_m.is_none_or(|limit| away <= limit)
         };
         let examined: Vec<Examined> = (0..nx * ny)
             .into_par_iter()
             .with_min_len(64)
             .map(|flat| match cell(flat) {
-                cell if is_near(cell) => examine(&probe, &spec, cell, settings),
+                cell if is_near(cell) => examine(&probe, &spec, cell, rules),
                 _ => Examined::Nothing,
             })
             .collect();
@@ -75,25 +73,25 @@ impl SafetyTruth {
             Examined::Ground(surface) => Some(*surface),
             Examined::Nothing | Examined::Obstacle => None,
         };
-        let surfaces: Vec<Option<GroundSurface>> = examined.iter().map(surface).collect();
-        let plan = Plan { shape: [nx, ny], cell_size_m: spec.cell_size_m(), surfaces: &surfaces, settings };
+        let surfaces: Vec<Option<Surface>> = examined.iter().map(surface).collect();
+        let plan = Plan { shape: [nx, ny], cell_size_m: spec.cell_size_m(), surfaces: &surfaces, rules };
         let segments = plan.segments();
         let Some(start) = segments.of_cell[nearest_cell(&spec, probe.robot_m)] else {
             let expected =
                 format!("the robot on a surface without an edge in its cell at frame {first_frame}");
             return Err(SynthError::value("robot", expected, "an edge or nothing"));
         };
-        let verdicts = verdicts(&plan, &segments, start);
+        let verdicts = plan.verdicts(&segments, start);
         let label = |(flat, cell): (usize, &Examined)| match cell {
             Examined::Nothing => SafetyLabel::Unknown,
             Examined::Obstacle => SafetyLabel::NonGround,
             Examined::Ground(surface) => match segments.of_cell[flat].map(|segment| verdicts[segment]) {
-                Some(Verdict::Safe) if surface.slope_rad().to_degrees() > settings.level_slope_deg => {
+                Some(Verdict::Safe) if surface.slope_rad().to_degrees() > rules.level_slope_deg => {
                     SafetyLabel::Inclined
                 }
                 Some(Verdict::Safe) => SafetyLabel::Level,
                 Some(Verdict::Unknown) => SafetyLabel::Unknown,
-                Some(Verdict::NonGround) | None => SafetyLabel::NonGround,
+                Some(Verdict::Steep | Verdict::Unreached) | None => SafetyLabel::NonGround,
             },
         };
         Ok(Self { labels: examined.iter().enumerate().map(label).collect(), surfaces, spec })
@@ -123,62 +121,22 @@ fn nearest_cell(spec: &GridSpec, point_m: [f64; 2]) -> usize {
     (x as usize).min(nx - 1) * ny + (y as usize).min(ny - 1)
 }
 
-fn examine(probe: &Probe, spec: &GridSpec, cell: [usize; 2], settings: &SafetySettings) -> Examined {
+fn examine(probe: &Probe, spec: &GridSpec, cell: [usize; 2], rules: &SafetyRules) -> Examined {
     let surface = match probe.column(cell_point(spec, cell, [0.5, 0.5])) {
         GroundColumn::Empty => return Examined::Nothing,
         GroundColumn::Filled { .. } => return Examined::Obstacle,
-        GroundColumn::Surface(surface) => surface,
+        GroundColumn::Surface(found) => found.surface(),
     };
     let place = |index: usize| (index as f64 + 0.5) / PLACES as f64;
     let is_flat = (0..PLACES * PLACES).all(|index| {
         let at = [place(index / PLACES), place(index % PLACES)];
         let plane_m = surface.height_at(at.map(|share| (share - 0.5) * spec.cell_size_m()));
         match probe.column(cell_point(spec, cell, at)) {
-            GroundColumn::Surface(there) => (there.height_m - plane_m).abs() <= settings.max_step_m,
+            GroundColumn::Surface(there) => (there.height_m - plane_m).abs() <= rules.max_step_m,
             GroundColumn::Empty | GroundColumn::Filled { .. } => false,
         }
     });
     if is_flat { Examined::Ground(surface) } else { Examined::Obstacle }
-}
-
-/// State of a segment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Verdict {
-    Safe,
-    NonGround,
-    Unknown,
-}
-
-/// Algorithm 2 for segments, given the one under the robot.
-fn verdicts(plan: &Plan<'_>, segments: &Segments, start: usize) -> Vec<Verdict> {
-    let settings = plan.settings;
-    let is_examined = segments.reached(start, |_, border| border.step_m <= settings.max_examined_step_m);
-    let unsafe_from_the_start = |segment: usize| {
-        let cells = &segments.cells[segment];
-        let interior = segments.interior[segment];
-        let boundary = cells.len() - interior;
-        let is_steep = cells.iter().any(|&cell| plan.surfaces[cell].is_some_and(|s| plan.is_steep(&s)));
-        let is_thin = (interior as f64) < settings.min_interior_per_boundary * boundary as f64;
-        if segment == start {
-            None
-        } else if !is_examined[segment] || is_steep {
-            Some(Verdict::NonGround)
-        } else if cells.len() < settings.min_segment_cells || is_thin {
-            Some(Verdict::Unknown)
-        } else {
-            None
-        }
-    };
-    let first: Vec<Option<Verdict>> = (0..segments.cells.len()).map(unsafe_from_the_start).collect();
-    let is_safe = segments.reached(start, |other, border| {
-        first[other].is_none() && border.agreeing.len() >= settings.min_border_cells
-    });
-    let verdict = |(first, is_safe): (Option<Verdict>, bool)| match first {
-        Some(verdict) => verdict,
-        None if is_safe => Verdict::Safe,
-        None => Verdict::NonGround,
-    };
-    first.into_iter().zip(is_safe).map(verdict).collect()
 }
 
 #[cfg(test)]

@@ -2,17 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use evigrid_grid::{PlanSpec, SafetyLabel, SafetyMap, SafetyPlane};
+use evigrid_grid::{PlanSpec, SafetyLabel, SafetyMap, SafetyPlane, Surface};
 use nalgebra::Vector3;
-
-use super::terrain::GroundSurface;
 
 /// Planes are one if the components of their normals, and their offsets in metres, differ by no more than
 /// this: far more than rounding, far less than any two faces of a reasonable world.
 const SAME_PLANE: f64 = 1e-9;
 
 /// The map of these labels, in which every safe cell lies on the plane of its surface.
-pub fn safety_map(spec: PlanSpec, labels: &[SafetyLabel], surfaces: &[Option<GroundSurface>]) -> SafetyMap {
+pub fn safety_map(spec: PlanSpec, labels: &[SafetyLabel], surfaces: &[Option<Surface>]) -> SafetyMap {
     let mut map = SafetyMap::unknown(spec);
     let mut known = KnownPlanes::default();
     for (flat, (&label, surface)) in labels.iter().zip(surfaces).enumerate() {
@@ -24,7 +22,7 @@ pub fn safety_map(spec: PlanSpec, labels: &[SafetyLabel], surfaces: &[Option<Gro
 }
 
 /// The plane of the surface at the centre of a cell.
-fn plane_at(spec: &PlanSpec, flat: usize, surface: &GroundSurface) -> SafetyPlane {
+fn plane_at(spec: &PlanSpec, flat: usize, surface: &Surface) -> SafetyPlane {
     let [x, y] = spec.centre_m(flat);
     let offset_m = surface.normal.dot(&Vector3::new(x, y, surface.height_m));
     SafetyPlane { normal: surface.normal, offset_m }

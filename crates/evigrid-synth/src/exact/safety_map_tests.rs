@@ -5,13 +5,13 @@ use nalgebra::UnitQuaternion;
 
 use super::super::fixtures::{a_box, grid, object, turned_map, world};
 use super::super::safety::SafetyTruth;
-use super::super::safety_settings::SafetySettings;
 use super::super::terrain::{GroundColumn, TerrainTruth};
 use super::*;
 use crate::World;
+use evigrid_grid::SafetyRules;
 
 fn truths(world: &World, spec: GridSpec, map_from_world: &Pose) -> (SafetyTruth, TerrainTruth) {
-    let safety = SafetyTruth::new(world, spec, map_from_world, 0, &SafetySettings::default()).unwrap();
+    let safety = SafetyTruth::new(world, spec, map_from_world, 0, &SafetyRules::default()).unwrap();
     (safety, TerrainTruth::new(world, spec, map_from_world, 0).unwrap())
 }
 

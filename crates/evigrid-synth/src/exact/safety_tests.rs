@@ -24,7 +24,7 @@ fn raised_ramp(degrees: f64, step_m: f64) -> String {
     object(&shape, [7.0, 0.0, step_m + 0.5 * rise], "")
 }
 
-fn truth(objects: &[String], settings: &SafetySettings) -> SafetyTruth {
+fn truth(objects: &[String], settings: &SafetyRules) -> SafetyTruth {
     let spec = grid([0.0, 10.0], [-2.0, 2.0], [0.0, 1.0], 0.1);
     SafetyTruth::new(&world(objects), spec, &Pose::identity(), 0, settings).unwrap()
 }
@@ -77,7 +77,7 @@ fn what_lies_behind_the_floor() {
     ];
     for (name, objects, expected) in rows {
         let objects = [vec![floor()], objects.clone()].concat();
-        let truth = truth(&objects, &SafetySettings::default());
+        let truth = truth(&objects, &SafetyRules::default());
         assert!(along(&truth, 0.0, 5.9).iter().all(|&label| label == Level), "{name}: the floor");
         let behind = along(&truth, 6.2, 7.8);
         assert!(behind.iter().all(|label| label == expected), "{name}: {behind:?}");
@@ -87,7 +87,7 @@ fn what_lies_behind_the_floor() {
 #[test]
 fn cells_with_an_edge_are_no_ground() {
     let around =
-        |end: &[String]| along(&truth(&[&[floor()], end].concat(), &SafetySettings::default()), 5.8, 6.2);
+        |end: &[String]| along(&truth(&[&[floor()], end].concat(), &SafetyRules::default()), 5.8, 6.2);
     assert_eq!(around(&[beyond(5.96, 0.15)]), [Level, NonGround, NonGround, NonGround]);
     assert_eq!(around(&[beyond(5.96, 0.03)]), [Level; 4]);
     assert_eq!(around(&[]), [Level, Level, Unknown, Unknown]);
@@ -98,10 +98,10 @@ fn cells_with_an_edge_are_no_ground() {
 #[test]
 fn what_is_behind_something_steep_is_out_of_reach() {
     let top = 2.0 * 15_f64.to_radians().tan();
-    let around = truth(&[floor(), ramp(15.0), beyond(8.0, top)], &SafetySettings::default());
+    let around = truth(&[floor(), ramp(15.0), beyond(8.0, top)], &SafetyRules::default());
     assert!(along(&around, 8.1, 8.9).iter().all(|&label| label == NonGround));
     let top = 2.0 * 8_f64.to_radians().tan();
-    let up = truth(&[floor(), ramp(8.0), beyond(8.0, top)], &SafetySettings::default());
+    let up = truth(&[floor(), ramp(8.0), beyond(8.0, top)], &SafetyRules::default());
     assert!(along(&up, 6.1, 7.9).iter().all(|&label| label == Inclined));
     assert!(along(&up, 8.1, 8.9).iter().all(|&label| label == Level));
 }
@@ -111,7 +111,7 @@ fn small_and_thin_patches_are_unknown_if_they_are_low() {
     let patch = |size: [f64; 2], height_m: f64| {
         let [x, y] = size;
         let on = a_box([x, y, height_m], [3.0 + 0.5 * x, 0.5 * y, 0.5 * height_m], "");
-        label_at(&truth(&[floor(), on], &SafetySettings::default()), 3.05, 0.05)
+        label_at(&truth(&[floor(), on], &SafetyRules::default()), 3.05, 0.05)
     };
     assert_eq!(patch([0.2, 0.2], 0.03), Unknown);
     // Thin: 20 cells, none of them with all its neighbours.
@@ -125,21 +125,21 @@ fn small_and_thin_patches_are_unknown_if_they_are_low() {
 #[test]
 fn a_low_step_must_be_wide_enough_to_cross() {
     // More ground behind a gap, and a strip of it that crosses the gap.
-    let reach = |width_m: f64, settings: &SafetySettings| {
+    let reach = |width_m: f64, settings: &SafetyRules| {
         let strip = a_box([0.5, width_m, 1.0], [6.25, 0.5 * width_m, 0.03 - 0.5], "");
         label_at(&truth(&[floor(), beyond(6.3, 0.03), strip], settings), 7.55, -1.05)
     };
-    let settings = SafetySettings::default();
+    let settings = SafetyRules::default();
     // One cell on the strip and the three before it: four. A wider strip by one cell: two and four.
     assert_eq!(reach(0.1, &settings), NonGround);
     assert_eq!(reach(0.2, &settings), Level);
-    assert_eq!(reach(0.1, &SafetySettings { min_border_cells: 4, ..settings }), Level);
-    assert_eq!(reach(0.2, &SafetySettings { min_border_cells: 7, ..settings }), NonGround);
+    assert_eq!(reach(0.1, &SafetyRules { min_border_cells: 4, ..settings }), Level);
+    assert_eq!(reach(0.2, &SafetyRules { min_border_cells: 7, ..settings }), NonGround);
 }
 
 #[test]
 fn cells_beyond_the_range_are_unknown() {
-    let settings = SafetySettings { max_range_m: Some(4.0), ..SafetySettings::default() };
+    let settings = SafetyRules { max_range_m: Some(4.0), ..SafetyRules::default() };
     let truth = truth(&[floor()], &settings);
     // From (1, 0.5).
     assert_eq!([4.95, 5.05].map(|x| label_at(&truth, x, 0.45)), [Level, Unknown]);
@@ -149,7 +149,7 @@ fn cells_beyond_the_range_are_unknown() {
 fn the_labels_follow_the_map_frame() {
     let world = world(&[floor(), beyond(6.0, 0.15)]);
     let spec = grid([0.0, 10.0], [-2.0, 2.0], [0.0, 1.0], 0.1);
-    let truth = SafetyTruth::new(&world, spec, &turned_map(), 1, &SafetySettings::default()).unwrap();
+    let truth = SafetyTruth::new(&world, spec, &turned_map(), 1, &SafetyRules::default()).unwrap();
     let mut count = [0; 2];
     for (flat, &label) in truth.labels().iter().enumerate() {
         let [x, y] = cell_point(&spec, [flat / 40, flat % 40], [0.5, 0.5]);
@@ -169,7 +169,7 @@ fn the_labels_follow_the_map_frame() {
 fn a_robot_on_an_edge_is_refused() {
     let spec = grid([0.0, 10.0], [-2.0, 2.0], [0.0, 1.0], 0.1);
     let world = world(&[floor(), a_box([2.0, 1.08, 0.2], [1.0, 0.0, 0.1], "")]);
-    let settings = SafetySettings::default();
+    let settings = SafetyRules::default();
     let on = |frame| SafetyTruth::new(&world, spec, &Pose::identity(), frame, &settings);
     let error = on(0).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("without an edge in its cell at frame 0"), "{error}");

@@ -1,11 +1,11 @@
 //! Heights and slopes of the ground.
 
 use evigrid_core::Pose;
-use evigrid_grid::GridSpec;
+use evigrid_grid::{GridSpec, Surface};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-use super::placed::{objects, slope_rad};
+use super::placed::objects;
 use crate::ray::Ray;
 use crate::scene::{Hint, Scene};
 use crate::{SynthError, World};
@@ -38,12 +38,12 @@ pub struct GroundSurface {
 impl GroundSurface {
     /// The angle between the surface and a level one, radians.
     pub fn slope_rad(&self) -> f64 {
-        slope_rad(&self.normal)
+        self.surface().slope_rad()
     }
 
-    /// The height that its plane has so far away, metres.
-    pub fn height_at(&self, away_m: [f64; 2]) -> f64 {
-        self.height_m - (self.normal.x * away_m[0] + self.normal.y * away_m[1]) / self.normal.z
+    /// The surface alone.
+    pub fn surface(&self) -> Surface {
+        Surface { height_m: self.height_m, normal: self.normal }
     }
 }
 

@@ -35,7 +35,7 @@ fn heights_and_slopes_are_those_of_the_shapes() {
         let (x, ramp) = (0.5 * (i as f64 + 0.5), surface(i, 3));
         assert!((ramp.height_m - (0.3 - 0.1 * (x - 6.0))).abs() < 1e-9, "{ramp:?}");
         assert!((ramp.slope_rad() - 0.1_f64.atan()).abs() < 1e-9 && ramp.normal.x > 0.0);
-        assert!((ramp.height_at([0.25, 7.0]) - (ramp.height_m - 0.025)).abs() < 1e-9);
+        assert!((ramp.surface().height_at([0.25, 7.0]) - (ramp.height_m - 0.025)).abs() < 1e-9);
     }
     let (heights, slopes) = (truth.heights_m(), truth.slopes_deg());
     let flat = 12 * 12 + 3;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use evigrid_core::Pose;
-use evigrid_grid::{GridSpec, SafetyLabel, SafetyMap};
+use evigrid_grid::{GridSpec, SafetyLabel, SafetyMap, SafetyRules};
 use evigrid_results::npz::NpzWriter;
 
 use super::error::WriteError;
@@ -13,7 +13,7 @@ use super::files::{write_file, write_grey_png};
 use super::tables::{self, HAZARDS_HEADING, OBJECTS_HEADING, PLANES_HEADING};
 use crate::World;
 use crate::exact::{
-    SafetySettings, SafetyTruth, TerrainTruth, VoxelTruth, ground_planes, hazards, hazards_or_nothing, tracks,
+    SafetyTruth, TerrainTruth, VoxelTruth, ground_planes, hazards, hazards_or_nothing, tracks,
 };
 
 /// The labels from dark to light in safety_map.png.
@@ -95,7 +95,7 @@ fn write_safety(
     map_from_world: &Pose,
     dir: &Path,
 ) -> Result<(), WriteError> {
-    let settings = SafetySettings::default();
+    let settings = SafetyRules::default();
     let truth = SafetyTruth::new(world, world.truth_grid, map_from_world, first_frame, &settings)?;
     let [nx, ny, _] = truth.spec().shape();
     // Seen from above, forward up: the last row of cells comes first, and in it the leftmost cell.

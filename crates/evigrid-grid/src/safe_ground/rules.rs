@@ -1,6 +1,6 @@
 /// The parameters of Murarka and Kuipers 2009; the defaults are the paper's except where it says otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SafetySettings {
+pub struct SafetyRules {
     /// Steeper ground is unsafe (theta_max). Unit: degrees.
     pub max_slope_deg: f64,
     /// Safe ground that is steeper is inclined, not level (theta_T). Unit: degrees.
@@ -25,7 +25,7 @@ pub struct SafetySettings {
     pub max_range_m: Option<f64>,
 }
 
-impl Default for SafetySettings {
+impl Default for SafetyRules {
     fn default() -> Self {
         Self {
             max_slope_deg: 10.0,

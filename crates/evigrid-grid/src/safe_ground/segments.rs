@@ -2,8 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::safety_settings::SafetySettings;
-use super::terrain::GroundSurface;
+use super::{SafetyRules, Surface};
 
 /// The ground plan that segments lie on.
 pub struct Plan<'a> {
@@ -12,9 +11,9 @@ pub struct Plan<'a> {
     /// Edge of a cell, metres.
     pub cell_size_m: f64,
     /// The surface of each cell (i * ny + j) that is on a surface and has no edge.
-    pub surfaces: &'a [Option<GroundSurface>],
+    pub surfaces: &'a [Option<Surface>],
     /// Whether a surface is too steep, and other limits.
-    pub settings: &'a SafetySettings,
+    pub rules: &'a SafetyRules,
 }
 
 /// All segments, and where they meet.
@@ -70,8 +69,8 @@ impl Plan<'_> {
     }
 
     /// Whether a surface is too steep to drive on.
-    pub fn is_steep(&self, surface: &GroundSurface) -> bool {
-        surface.slope_rad().to_degrees() > self.settings.max_slope_deg
+    pub fn is_steep(&self, surface: &Surface) -> bool {
+        surface.slope_rad().to_degrees() > self.rules.max_slope_deg
     }
 
     /// Whether two neighbours, so far apart, are on one continuous surface: the plane of either leads to the
@@ -80,7 +79,7 @@ impl Plan<'_> {
         let (Some(a), Some(b)) = (self.surfaces[a], self.surfaces[b]) else { return false };
         let there = (a.height_at(away_m) - b.height_m).abs();
         let back = (b.height_at(away_m.map(|v| -v)) - a.height_m).abs();
-        let limit = self.settings.continuity_m;
+        let limit = self.rules.continuity_m;
         there <= limit && back <= limit && self.is_steep(&a) == self.is_steep(&b)
     }
 
@@ -100,7 +99,7 @@ impl Plan<'_> {
                     .or_insert_with(|| Border { agreeing: BTreeSet::new(), step_m: f64::INFINITY });
                 border.step_m = border.step_m.min((surface.height_m - beyond.height_m).abs());
                 let of_other = beyond.height_at(away.map(|v| -v));
-                if (surface.height_m - of_other).abs() < self.settings.max_step_m {
+                if (surface.height_m - of_other).abs() < self.rules.max_step_m {
                     border.agreeing.insert(cell);
                 }
             }
