@@ -22,7 +22,7 @@ const RIG: StereoRig =
 
 fn info() -> RunInfo {
     let grid = GridSettings { x_m: [0.0, 3.0], y_m: [-1.0, 1.0], z_m: [-1.0, 1.0], cell_size_m: 1.0 };
-    let mut layers = vec![LayerKind::Plan, LayerKind::Safety];
+    let layers = vec![LayerKind::Plan, LayerKind::Safety];
     RunInfo {
         dataset: "tiny".into(),
         layout: "by hand".into(),

@@ -6,18 +6,32 @@ pub(crate) struct Heights {
     lowest: i32,
     counts: Vec<u32>,
     count: u32,
+    /// From how far the first of them was seen, metres.
+    range_m: f64,
 }
 
+/// Heights that were seen from more than this farther away do not count, metres: an error of 0.2 degrees, which the
+/// beams of KITTI's laser are known for, is 1 cm in height over that length.
+const FARTHER_M: f64 = 3.0;
 /// Resolution of the heights, metres: half a deviation of the laser.
 const STEP_M: f64 = 0.01;
 /// Heights farther from 0 are no heights of ground, metres.
 const LIMIT_M: f64 = 1000.0;
 
 impl Heights {
-    /// Adds a height, metres. One that is not finite, or out of all reason, is dropped.
-    pub fn add(&mut self, height_m: f64) {
-        if !height_m.is_finite() || height_m.abs() > LIMIT_M {
+    /// Adds a height that was seen from so far, metres. One that is not finite, or out of all reason, is dropped, and
+    /// so is one from farther away than the others by more than [`FARTHER_M`]. One from nearer by more than that
+    /// drops all others.
+    pub fn add(&mut self, height_m: f64, range_m: f64) {
+        let farther_m = if self.count == 0 { 0.0 } else { range_m - self.range_m };
+        if !height_m.is_finite() || height_m.abs() > LIMIT_M || farther_m > FARTHER_M {
             return;
+        }
+        if farther_m < -FARTHER_M {
+            (self.counts, self.count) = (Vec::new(), 0);
+        }
+        if self.count == 0 {
+            self.range_m = range_m;
         }
         let step = (height_m / STEP_M).floor() as i32;
         if self.counts.is_empty() {
@@ -71,7 +85,7 @@ mod tests {
             share in 0.0..1.0_f64,
         ) {
             let mut cell = Heights::default();
-            heights.iter().for_each(|&height| cell.add(height));
+            heights.iter().for_each(|&height| cell.add(height, 5.0));
             heights.sort_by(f64::total_cmp);
             let wanted = (share * heights.len() as f64).ceil() as usize;
             let expected = heights[wanted.max(1) - 1];
@@ -83,7 +97,19 @@ mod tests {
     #[test]
     fn what_is_no_height_is_dropped() {
         let mut cell = Heights::default();
-        [f64::NAN, f64::INFINITY, 1e30].into_iter().for_each(|height| cell.add(height));
+        [f64::NAN, f64::INFINITY, 1e30].into_iter().for_each(|height| cell.add(height, 5.0));
         assert!(cell.count() == 0 && cell.at_share(0.5).is_nan());
+    }
+
+    #[test]
+    fn what_was_seen_from_nearer_counts() {
+        let mut cell = Heights::default();
+        for (height, range, count) in
+            [(1.0, 20.0, 1), (1.1, 22.0, 2), (2.0, 24.0, 2), (3.0, 16.0, 1), (3.1, 14.0, 2)]
+        {
+            cell.add(height, range);
+            assert_eq!(cell.count(), count, "{range}");
+        }
+        assert!((cell.at_share(0.1) - 3.0).abs() < 0.011);
     }
 }

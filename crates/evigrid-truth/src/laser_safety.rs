@@ -12,7 +12,7 @@ use crate::heights::Heights;
 /// scans together. What the laser cannot know is unknown.
 ///
 /// - A point counts within the planning radius of the robot, if it is not higher over the robot's floor than
-///   the robot.
+///   the robot. Of the points in a cell those count that the laser saw from nearest, and from up to 3 m farther.
 /// - The height of a cell is the median of its points, its roughness the height from their lowest to their highest
 ///   tenth. A cell with too few points is *not seen*.
 /// - A cell is *ground* if it is not rougher than `max_step_m`, an *edge or obstacle* if it is rougher than that
@@ -82,11 +82,12 @@ impl LaserSafety {
             let at = scan.map_from_laser() * point;
             let away = (at.x - x) * (at.x - x) + (at.y - y) * (at.y - y);
             let counts = at.z < top_m && away <= robot.radius_m * robot.radius_m;
-            if !counts || (point - start).norm() < self.min_range_m {
+            let range_m = (point - start).norm();
+            if !counts || range_m < self.min_range_m {
                 continue;
             }
             if let Some(cell) = self.spec.cell_of([at.x, at.y]) {
-                self.cells[cell].add(at.z);
+                self.cells[cell].add(at.z, range_m);
             }
         }
     }
