@@ -10,9 +10,10 @@ pub(crate) struct Heights {
     range_m: f64,
 }
 
-/// Heights that were seen from more than this farther away do not count, metres: an error of 0.2 degrees, which the
-/// beams of KITTI's laser are known for, is 1 cm in height over that length.
-const FARTHER_M: f64 = 3.0;
+/// Heights that were seen from more than this farther away do not count, metres: what a car drives between two
+/// scans. Beams are off by tenths of a degree, and recorded poses rise and sink by centimetres within a second, so
+/// that scans from farther away blur a cell.
+const FARTHER_M: f64 = 1.0;
 /// Resolution of the heights, metres: half a deviation of the laser.
 const STEP_M: f64 = 0.01;
 /// Heights farther from 0 are no heights of ground, metres.
@@ -105,7 +106,7 @@ mod tests {
     fn what_was_seen_from_nearer_counts() {
         let mut cell = Heights::default();
         for (height, range, count) in
-            [(1.0, 20.0, 1), (1.1, 22.0, 2), (2.0, 24.0, 2), (3.0, 16.0, 1), (3.1, 14.0, 2)]
+            [(1.0, 20.0, 1), (1.1, 20.9, 2), (2.0, 21.1, 2), (3.0, 16.0, 1), (3.1, 15.2, 2)]
         {
             cell.add(height, range);
             assert_eq!(cell.count(), count, "{range}");

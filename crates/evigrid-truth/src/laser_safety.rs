@@ -12,7 +12,7 @@ use crate::heights::Heights;
 /// scans together. What the laser cannot know is unknown.
 ///
 /// - A point counts within the planning radius of the robot, if it is not higher over the robot's floor than
-///   the robot. Of the points in a cell those count that the laser saw from nearest, and from up to 3 m farther.
+///   the robot. Of the points in a cell those count that the laser saw from nearest, and from up to 1 m farther.
 /// - The height of a cell is the median of its points, its roughness the height from their lowest to their highest
 ///   tenth. A cell with too few points is *not seen*.
 /// - A cell is *ground* if it is not rougher than `max_step_m`, an *edge or obstacle* if it is rougher than that
