@@ -65,9 +65,9 @@ impl<'a> Entrant<'a> {
         let same_ground =
             a.score.plan_band_m == b.score.plan_band_m && self.job.mounting == other.job.mounting;
         let same_kinds = self.job.shows(LayerKind::Safety) == other.job.shows(LayerKind::Safety);
-        let same_radius = a.score.safety_radius_m == b.score.safety_radius_m
+        let same_robot = a.score.safety_radius_m == b.score.safety_radius_m
             && a.score.safety_robot_height_m == b.score.safety_robot_height_m;
-        a.grid == b.grid && a.truth == b.truth && same_ground && same_kinds && same_radius
+        a.grid == b.grid && a.truth == b.truth && same_ground && same_kinds && same_robot
     }
 
     fn same_kind(&self, other: &Self) -> bool {

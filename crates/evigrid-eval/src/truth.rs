@@ -2,10 +2,10 @@ use std::ops::Range;
 
 use anyhow::{Context, Result};
 use evigrid_core::{Frame, Mounting, Pose};
-use evigrid_grid::{GridSpec, Layer, LayerKind, PlanGrid, SafetyMap, SafetyRules, levels_in_band, projected};
+use evigrid_grid::safe_ground::SafetyRules;
+use evigrid_grid::{GridSpec, Layer, LayerKind, PlanGrid, SafetyMap, levels_in_band, projected};
 use evigrid_metrics::{PlanReference, PlanningDisc, SafetyCase, SafetyReference, Scores, VoxelReference};
 use evigrid_results::TruthFile;
-
 use evigrid_synth::{SafetyTruth, VoxelState, VoxelTruth};
 use evigrid_truth::{LaserSafety, LaserTruth, RobotPlace, TruthSettings, TruthSource};
 

@@ -1,5 +1,4 @@
-use evigrid_grid::SafetyPlane;
-use nalgebra::Vector3;
+use evigrid_grid::{Moments, SafetyPlane};
 
 /// Fewer points say nothing about a plane.
 const MIN_POINTS: usize = 6;
@@ -12,10 +11,15 @@ const KEPT: f64 = 0.75;
 /// squares; Rousseeuw 1984), found by leaving out the quarter farthest from the last plane again and again. `None`
 /// for fewer than 6 points, or points on one line seen from above. Metres.
 pub(crate) fn robust_plane(mut points: Vec<[f64; 3]>) -> Option<SafetyPlane> {
-    let mut plane = fit(&points)?;
+    let fit = |points: &[[f64; 3]]| {
+        let mut moments = Moments::default();
+        points.iter().for_each(|&point| moments.add(point));
+        moments.plane()
+    };
+    let mut plane = fit(&points).filter(|_| points.len() >= MIN_POINTS)?;
     let kept = ((KEPT * points.len() as f64).ceil() as usize).max(MIN_POINTS);
     for _ in 0..ROUNDS {
-        let off = |p: &[f64; 3]| (p[2] - plane[0] * p[0] - plane[1] * p[1] - plane[2]).abs();
+        let off = |p: &[f64; 3]| (p[2] - plane.height_m([p[0], p[1]])).abs();
         points.sort_by(|a, b| off(a).total_cmp(&off(b)));
         // The nearest points may lie on one line; the plane before is then as good as it gets.
         match fit(&points[..kept]) {
@@ -23,34 +27,13 @@ pub(crate) fn robust_plane(mut points: Vec<[f64; 3]>) -> Option<SafetyPlane> {
             _ => break,
         }
     }
-    let length = (1.0 + plane[0] * plane[0] + plane[1] * plane[1]).sqrt();
-    let normal = Vector3::new(-plane[0], -plane[1], 1.0) / length;
-    Some(SafetyPlane { normal, offset_m: plane[2] / length })
-}
-
-/// Least squares: rise along x, along y, and height at the origin.
-fn fit(points: &[[f64; 3]]) -> Option<[f64; 3]> {
-    if points.len() < MIN_POINTS {
-        return None;
-    }
-    let n = points.len() as f64;
-    let mean = [0, 1, 2].map(|a| points.iter().map(|p| p[a]).sum::<f64>() / n);
-    let [mut xx, mut xy, mut yy, mut xz, mut yz] = [0.0; 5];
-    for p in points {
-        let [x, y, z] = [0, 1, 2].map(|a| p[a] - mean[a]);
-        (xx, xy, yy, xz, yz) = (xx + x * x, xy + x * y, yy + y * y, xz + x * z, yz + y * z);
-    }
-    let determinant = xx * yy - xy * xy;
-    if determinant <= 1e-9 * (xx + yy) * (xx + yy) {
-        return None;
-    }
-    let (p1, p2) = ((xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant);
-    Some([p1, p2, mean[2] - p1 * mean[0] - p2 * mean[1]])
+    Some(plane.by_normal())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Vector3;
 
     /// 30 points of a plane, a quarter of them raised by half a metre.
     #[test]

@@ -177,7 +177,7 @@ impl<'a> PlanePairs<'a> {
 fn mean_distance_m(found: &SafetyPlane, truth: &SafetyPlane, spec: &PlanSpec, cells: &[[usize; 2]]) -> f64 {
     let distance = |&[cell, _]: &[usize; 2]| {
         let [x, y] = spec.centre_m(cell);
-        let z = (found.offset_m - found.normal.x * x - found.normal.y * y) / found.normal.z;
+        let z = found.height_m([x, y]).unwrap_or(f64::INFINITY);
         (truth.normal.x * x + truth.normal.y * y + truth.normal.z * z - truth.offset_m).abs()
     };
     cells.iter().map(distance).sum::<f64>() / cells.len() as f64

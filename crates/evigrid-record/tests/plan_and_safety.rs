@@ -1,7 +1,7 @@
 //! Plans, safety maps and the 3-D models behind them, recorded and read back element by element.
 #![allow(clippy::unwrap_used)]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use evigrid_core::{Disparity, Frame, GrayImage, Matching, Pose, StereoRig};
 use evigrid_eval::{Config, LazyModel, MethodStep, Observer, Step, Truth};
@@ -79,8 +79,10 @@ fn record(path: &Path) {
     let truth = Truth::laser(info.spec, TruthSettings::default()).unwrap();
     let image = || GrayImage::new(8, 6, vec![100; 48]).unwrap();
     let frame = Frame::new(7, 0, RIG, image(), image(), Pose::identity(), None).unwrap();
-    // Far away, so that no pixel shows a cell of the map.
-    let matching = Matching::from_disparity(Disparity::new(8, 6, vec![0.001; 48]).unwrap());
+    // At 15.4 m the pixel in column 7, row 2 shows (7.7, -1.1), the unsafe cell; all others look past the map.
+    let mut disparity = vec![0.001; 48];
+    disparity[2 * 8 + 7] = 0.5 * 7.0 / 15.4;
+    let matching = Matching::from_disparity(Disparity::new(8, 6, disparity).unwrap());
     let mut recorder = Recorder::create(path.to_owned()).unwrap();
     recorder.begin(&info, &Config::default()).unwrap();
     let model = || Some(hybrid());
@@ -109,6 +111,14 @@ fn chunks(path: &Path, entity: &str) -> Vec<Chunk> {
         _ => None,
     });
     messages.filter(|chunk| chunk.entity_path().to_string() == entity).collect()
+}
+
+/// The recording in a folder of its own.
+fn recorded() -> (tempfile::TempDir, PathBuf) {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("recording.rrd");
+    record(&path);
+    (dir, path)
 }
 
 /// The values of a component in all rows of an entity.
@@ -144,9 +154,7 @@ fn colours(path: &Path, entity: &str) -> Vec<Vec<[u8; 3]>> {
 
 #[test]
 fn a_plan_has_forward_to_the_right_and_left_upwards() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("recording.rrd");
-    record(&path);
+    let (_dir, path) = recorded();
     let (unknown, free, occupied) = ([24, 26, 30], [66, 70, 78], [176, 190, 205]);
     let expected = [[free, unknown, unknown], [occupied, free, unknown]];
     assert_eq!(colours(&path, "/plan/toy"), expected);
@@ -154,9 +162,7 @@ fn a_plan_has_forward_to_the_right_and_left_upwards() {
 
 #[test]
 fn a_safety_map_has_forward_to_the_right_and_left_upwards() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("recording.rrd");
-    record(&path);
+    let (_dir, path) = recorded();
     let (unknown, level, inclined, not_ground) =
         ([112, 116, 124], [0, 114, 178], [86, 180, 233], [230, 130, 0]);
     let expected = [[inclined, unknown, not_ground], [level, unknown, unknown]];
@@ -165,9 +171,7 @@ fn a_safety_map_has_forward_to_the_right_and_left_upwards() {
 
 #[test]
 fn safe_ground_is_a_mesh_on_its_plane() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("recording.rrd");
-    record(&path);
+    let (_dir, path) = recorded();
     let ground = chunks(&path, "/world/hybrid/toy/ground");
     let corners: Vec<Position3D> = all(&ground, Mesh3D::descriptor_vertex_positions().component);
     let corners: Vec<[f32; 3]> = corners.into_iter().map(|p| p.0.0).collect();
@@ -181,9 +185,7 @@ fn safe_ground_is_a_mesh_on_its_plane() {
 
 #[test]
 fn voxels_stand_by_the_label_of_their_column_and_the_robot_on_its_floor() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("recording.rrd");
-    record(&path);
+    let (_dir, path) = recorded();
     let voxels = |group: &str| -> Vec<[i32; 3]> {
         let chunks = chunks(&path, &format!("/world/hybrid/toy/voxels/{group}"));
         let found: Vec<VoxelIndex> = all(&chunks, VoxelGridMap::descriptor_voxel_indices().component);
@@ -200,19 +202,16 @@ fn voxels_stand_by_the_label_of_their_column_and_the_robot_on_its_floor() {
 }
 
 #[test]
-fn labels_lie_over_the_left_image_in_its_size() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("recording.rrd");
-    record(&path);
-    let drawn = colours(&path, "/world/left/image/labels/toy");
-    assert_eq!(drawn, vec![vec![[0, 0, 0]; 8]; 6], "no pixel shows a cell of the map");
+fn labels_lie_over_the_pixels_that_show_their_cells() {
+    let (_dir, path) = recorded();
+    let mut expected = vec![vec![[0, 0, 0]; 8]; 6];
+    expected[2][7] = [230, 130, 0];
+    assert_eq!(colours(&path, "/world/left/image/labels/toy"), expected);
 }
 
 #[test]
 fn without_a_truth_nothing_is_judged() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("recording.rrd");
-    record(&path);
+    let (_dir, path) = recorded();
     let images = |entity: &str| {
         let component = SegmentationImage::descriptor_buffer().component;
         let chunks = chunks(&path, entity);

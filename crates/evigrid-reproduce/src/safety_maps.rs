@@ -3,7 +3,8 @@
 use std::io::Cursor;
 
 use anyhow::Result;
-use evigrid_grid::{SafetyLabel, SafetyRules};
+use evigrid_grid::SafetyLabel;
+use evigrid_grid::safe_ground::SafetyRules;
 use evigrid_replay::map_from_world;
 
 use evigrid_synth::{SafetyTruth, World};

@@ -5,7 +5,6 @@ use std::collections::VecDeque;
 use evigrid_grid::{SafetyLabel, SafetyMap};
 
 use crate::columns::Columns;
-use crate::neighbours::neighbours;
 use crate::segments::Segments;
 
 /// Holes: empty columns beside safe ground that were seen through at the height of that ground, given by its
@@ -24,7 +23,7 @@ pub(crate) fn mark_holes(
         safe.filter_map(|cell| Some((cell, segments.of(cell)?))).collect();
     while let Some((cell, segment)) = open.pop_front() {
         let Some(plane) = segments.list[segment].plane else { continue };
-        for other in neighbours(columns.spec(), cell) {
+        for other in columns.spec().neighbours(cell) {
             let empty = columns.is_examined(other) && columns.get(other).is_none() && !is_hole[other];
             if empty && is_free(other, plane.height_m(columns.spec().centre_m(other))) {
                 is_hole[other] = true;
@@ -42,7 +41,7 @@ pub(crate) fn mark_edges(map: &mut SafetyMap, columns: &Columns, is_hole: &[bool
         let Some(height) = columns.height(cell).filter(|_| map.labels()[cell].is_safe() == Some(true)) else {
             return false;
         };
-        neighbours(columns.spec(), cell).any(|other| {
+        columns.spec().neighbours(cell).any(|other| {
             let lower = columns.height(other).is_some_and(|there| there < height);
             is_hole[other] || (lower && map.labels()[other] == SafetyLabel::NonGround)
         })
@@ -63,7 +62,7 @@ pub(crate) fn mark_enclosed(map: &mut SafetyMap, columns: &Columns, segments: &S
     open.retain(|&cell| is_open(map, cell));
     open.iter().for_each(|&cell| is_reached[cell] = true);
     while let Some(cell) = open.pop() {
-        for other in neighbours(columns.spec(), cell) {
+        for other in columns.spec().neighbours(cell) {
             if !is_reached[other] && is_open(map, other) {
                 is_reached[other] = true;
                 open.push(other);

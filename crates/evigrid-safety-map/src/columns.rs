@@ -1,6 +1,4 @@
-use evigrid_grid::PlanSpec;
-
-use crate::planes::Moments;
+use evigrid_grid::{Moments, PlanSpec};
 
 /// A column of voxels that has something occupied below the robot's height.
 #[derive(Debug, Clone, Copy, PartialEq)]

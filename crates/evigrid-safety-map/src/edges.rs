@@ -1,7 +1,6 @@
 use evigrid_grid::{SafetyLabel, SafetyMap};
 
 use crate::columns::Columns;
-use crate::neighbours::{around, neighbours};
 
 /// Marks potential drop-off edges (section VI): cells at the boundary of safe ground, next to an unknown cell,
 /// with a lower column at most `reach` cells away.
@@ -10,9 +9,9 @@ pub(crate) fn mark_drop_offs(map: &mut SafetyMap, columns: &Columns, reach: usiz
         let Some(height) = columns.height(cell).filter(|_| map.labels()[cell].is_safe() == Some(true)) else {
             continue;
         };
-        let unknown = neighbours(columns.spec(), cell).any(|n| map.labels()[n] == SafetyLabel::Unknown);
+        let unknown = columns.spec().neighbours(cell).any(|n| map.labels()[n] == SafetyLabel::Unknown);
         let is_lower = |n: usize| columns.height(n).is_some_and(|other| other < height);
-        if unknown && around(columns.spec(), cell, reach).any(is_lower) {
+        if unknown && columns.spec().around(cell, reach).any(is_lower) {
             map.mark_drop_off(cell);
         }
     }

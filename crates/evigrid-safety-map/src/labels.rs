@@ -7,7 +7,6 @@ use evigrid_grid::{SafetyLabel, SafetyMap};
 use crate::beyond::{mark_edges, mark_enclosed, mark_holes};
 use crate::columns::Columns;
 use crate::edges::mark_drop_offs;
-use crate::neighbours::neighbours;
 use crate::robot::Robot;
 use crate::segments::{Segment, Segments};
 use crate::settings::{SafetyMapSettings, Spread};
@@ -95,7 +94,7 @@ impl Borders {
         for (own, segment) in segments.list.iter().enumerate() {
             for &cell in &segment.cells {
                 others.clear();
-                for neighbour in neighbours(columns.spec(), cell as usize) {
+                for neighbour in columns.spec().neighbours(cell as usize) {
                     match segments.of(neighbour) {
                         Some(other) if other != own && !others.contains(&other) => others.push(other),
                         _ => {}

@@ -3,14 +3,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use evigrid_grid::{Moments, Plane};
+
 use crate::columns::Columns;
-use crate::neighbours::neighbours;
-use crate::planes::{Moments, Plane};
 use crate::segments::{Segment, Segments};
 
 /// Segments touch if so many pairs of their cells do.
 const MIN_TOUCHING: usize = 3;
-/// Fewer points say nothing about a plane, metres.
+/// Fewer points say nothing about a plane.
 const MIN_POINTS: f64 = 6.0;
 
 /// Segments that are being joined, by the number of the first segment of each.
@@ -52,7 +52,7 @@ impl Segments {
         let mut pairs = BTreeMap::new();
         for (own, segment) in self.list.iter().enumerate() {
             for &cell in &segment.cells {
-                let others = neighbours(columns.spec(), cell as usize).filter_map(|n| self.of(n));
+                let others = columns.spec().neighbours(cell as usize).filter_map(|n| self.of(n));
                 others.filter(|&n| n > own).for_each(|n| *pairs.entry([own, n]).or_insert(0) += 1);
             }
         }

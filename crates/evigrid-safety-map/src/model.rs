@@ -1,10 +1,9 @@
 //! The 3-D model: evidence of every voxel and the points that fell in it (section IV).
 
 use evigrid_core::{Pose, StereoRig};
-use evigrid_grid::{GridSpec, RayWalk, ViewRays, cell_index};
+use evigrid_grid::{GridSpec, Moments, RayWalk, ViewRays, cell_index};
 
 use crate::columns::{Column, Columns};
-use crate::planes::Moments;
 use crate::points::{PointSelection, RangePoint, voxel_behind};
 use crate::robot::Robot;
 use crate::settings::SafetyMapSettings;

@@ -2,7 +2,6 @@
 //! until it has risen by half a voxel. (Own addition.)
 
 use crate::columns::Columns;
-use crate::neighbours::neighbours;
 use crate::segments::{Segment, Segments};
 
 impl Segments {
@@ -37,7 +36,7 @@ impl Segments {
 
     /// The segment next to a cell whose plane fits it best, if that is not its own.
     fn better(&self, columns: &Columns, own: usize, cell: u32, gain_m: f64) -> Option<usize> {
-        let others = neighbours(columns.spec(), cell as usize).filter_map(|n| self.of(n));
+        let others = columns.spec().neighbours(cell as usize).filter_map(|n| self.of(n));
         let mut others = others.filter(|&other| other != own).peekable();
         others.peek()?;
         let moments = columns.get(cell as usize)?.moments;

@@ -1,8 +1,8 @@
 //! Segments of ground (Algorithm 1).
 
+use evigrid_grid::{Moments, Plane};
+
 use crate::columns::Columns;
-use crate::neighbours::neighbours;
-use crate::planes::{Moments, Plane};
 use crate::robot::Robot;
 use crate::settings::SafetyMapSettings;
 
@@ -74,7 +74,7 @@ impl Segments {
         let mut compared = 0;
         while let Some(&cell) = cells.get(compared) {
             compared += 1;
-            for neighbour in neighbours(columns.spec(), cell as usize) {
+            for neighbour in columns.spec().neighbours(cell as usize) {
                 let Some(other) = columns.height(neighbour).filter(|_| self.of_cell[neighbour].is_none())
                 else {
                     continue;
@@ -96,7 +96,7 @@ impl Segments {
         for segment in &mut self.list {
             let is_interior = |&&cell: &&u32| {
                 let own = of_cell[cell as usize];
-                neighbours(columns.spec(), cell as usize).filter(|&n| of_cell[n] == own).count() == 8
+                columns.spec().neighbours(cell as usize).filter(|&n| of_cell[n] == own).count() == 8
             };
             segment.interior = segment.cells.iter().filter(is_interior).count();
             segment.plane = segment.moments(columns).plane();

@@ -1,9 +1,8 @@
-use evigrid_grid::{LogOddsGrid, SafetyMap};
+use evigrid_grid::{LogOddsGrid, Moments, SafetyMap};
 
 use crate::columns::{Column, Columns};
 use crate::labels::label_columns;
 use crate::model::{floor_layer, layer_at, layers_below};
-use crate::planes::Moments;
 use crate::robot::Robot;
 use crate::settings::SafetyMapSettings;
 

@@ -3,10 +3,9 @@
 
 mod common;
 
-use evigrid_grid::{GridSpec, Method, SafetyLabel, SafetyMap};
+use evigrid_grid::{GridSpec, Method, Moments, Plane, SafetyLabel, SafetyMap};
 use evigrid_safety_map::{
-    Columns, Model, Moments, Plane, Robot, SafetyMapPlusSettings, SafetyMapSettings, SafetyMappingPlus,
-    label_columns,
+    Columns, Model, Robot, SafetyMapPlusSettings, SafetyMapSettings, SafetyMappingPlus, label_columns,
 };
 use proptest::prelude::*;
 

@@ -5,7 +5,8 @@ mod common;
 
 use std::collections::BTreeSet;
 
-use evigrid_safety_map::{Column, Columns, Moments, SafetyMapSettings, Segments};
+use evigrid_grid::Moments;
+use evigrid_safety_map::{Column, Columns, SafetyMapSettings, Segments};
 use proptest::prelude::*;
 
 use common::{FLOOR, ROBOT, plan};

@@ -53,6 +53,8 @@ fn frames_are_in_the_map_frame() {
     assert!((frame.map_from_left().translation.vector - Vector3::x()).norm() < 1e-6);
     let laser = frame.laser().unwrap().map_from_laser();
     assert!((laser.translation.vector - Vector3::new(0.7, -0.1, 0.3)).norm() < 1e-6);
+    let (scan, alone) = (frame.laser().unwrap(), sequence.laser(2, &map_from_world).unwrap().unwrap());
+    assert_eq!((scan.points(), scan.map_from_laser()), (alone.points(), alone.map_from_laser()));
     assert_eq!((frame.index(), frame.stamp_ns()), (2, 200_000_000));
     assert_eq!(frame.rig(), &sequence.info().rig);
 }

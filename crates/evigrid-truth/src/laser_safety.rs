@@ -3,8 +3,9 @@
 use std::collections::VecDeque;
 
 use evigrid_core::LaserScan;
-use evigrid_grid::{Plan, PlanSpec, SafetyLabel, SafetyMap, SafetyRules, Segments, Surface, Verdict};
-use nalgebra::{Point3, Vector3};
+use evigrid_grid::safe_ground::{Plan, SafetyRules, Segments, Surface, Verdict};
+use evigrid_grid::{Moments, PlanSpec, SafetyLabel, SafetyMap};
+use nalgebra::Point3;
 
 use crate::heights::Heights;
 
@@ -52,6 +53,9 @@ const SCATTER_M: f64 = 0.05;
 /// Neighbouring ground cells are on one surface if their planes differ by no more, metres: two deviations of the
 /// difference between two medians of few points each.
 const CONTINUITY_M: f64 = 0.03;
+/// What is deeper below the robot's floor counts as so deep, metres: it is out of reach all the same, and a point
+/// that is wrong by kilometres takes no memory.
+const DEEP_M: f64 = 3.0;
 /// The plane of a cell is fitted to ground cells so far around it, metres.
 const PLANE_REACH_M: f64 = 0.35;
 
@@ -87,7 +91,7 @@ impl LaserSafety {
                 continue;
             }
             if let Some(cell) = self.spec.cell_of([at.x, at.y]) {
-                self.cells[cell].add(at.z, range_m);
+                self.cells[cell].add(at.z.max(robot.floor_m - DEEP_M), range_m);
             }
         }
     }
@@ -147,25 +151,16 @@ impl LaserSafety {
         }
     }
 
-    /// The surface of a ground cell: the least-squares plane through its height and those of the cells around that
-    /// it continues into.
+    /// The surface of a ground cell: its height, and the slope of the least-squares plane of its own height and those
+    /// of the cells around that it continues into.
     fn surface(&self, seen: &[Seen], cell: usize) -> Option<Surface> {
         let Seen::Ground(height_m) = seen[cell] else { return None };
-        let [x0, y0] = self.spec.centre_m(cell);
-        let (mut xx, mut xy, mut yy, mut xz, mut yz) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let mut moments = Moments::default();
         for (other, there_m) in self.continued(seen, cell, height_m) {
             let [x, y] = self.spec.centre_m(other);
-            let (x, y, z) = (x - x0, y - y0, there_m - height_m);
-            (xx, xy, yy, xz, yz) = (xx + x * x, xy + x * y, yy + y * y, xz + x * z, yz + y * z);
+            moments.add([x, y, there_m]);
         }
-        let determinant = xx * yy - xy * xy;
-        // Cells on one line have no plane.
-        if determinant <= 1e-9 * (xx + yy) * (xx + yy) {
-            return None;
-        }
-        let p1 = (xz * yy - yz * xy) / determinant;
-        let p2 = (yz * xx - xz * xy) / determinant;
-        Some(Surface { height_m, normal: Vector3::new(-p1, -p2, 1.0).normalize() })
+        Some(Surface { height_m, normal: moments.plane()?.by_normal().normal })
     }
 
     /// The ground cells around a cell, with their heights, that lead to it over neighbours which differ by no more

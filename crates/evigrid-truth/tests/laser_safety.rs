@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use evigrid_core::{LaserScan, Pose};
-use evigrid_grid::{PlanSpec, SafetyLabel, SafetyMap, SafetyRules};
+use evigrid_grid::safe_ground::SafetyRules;
+use evigrid_grid::{PlanSpec, SafetyLabel, SafetyMap};
 use evigrid_truth::{LaserSafety, RobotPlace};
 
 const ROBOT: RobotPlace = RobotPlace { at_m: [0.0, 0.0], floor_m: 0.0, height_m: 1.5, radius_m: 6.0 };

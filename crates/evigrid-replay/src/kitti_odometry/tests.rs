@@ -44,6 +44,8 @@ fn rays_start_where_the_file_of_origins_says() {
     let frame = |index| sequence.frame(index, &Pose::identity());
     assert_eq!(frame(0).unwrap().laser().unwrap().origins(), None);
     assert_eq!(frame(1).unwrap().laser().unwrap().origins(), Some(&[[0.5, 0.25, -0.125]][..]));
+    let alone = sequence.laser(1, &Pose::identity()).unwrap().unwrap();
+    assert_eq!(alone.origins(), Some(&[[0.5, 0.25, -0.125]][..]));
     recording.write("velodyne_origins/000002.bin", fixtures::origin_bytes(&[[0.0; 3]; 2]));
     let error = frame(2).unwrap_err().to_string();
     assert!(error.starts_with("laser origins: expected one for each of 1 points, found 2: "), "{error}");

@@ -51,6 +51,8 @@ fn a_frame_holds_images_time_pose_and_scan_in_the_map_frame() {
     assert!((in_map - Point3::new(2.0 * STEP_M + 9.7, 0.0, 0.0)).norm() < 1e-6, "{in_map}");
     let in_left = frame.map_from_left().inverse() * in_map;
     assert!((in_left - Point3::new(0.0, 0.0, 9.7)).norm() < 1e-9, "{in_left}");
+    let alone = drive.laser(2, &map_from_world).unwrap().unwrap();
+    assert_eq!((alone.points(), alone.map_from_laser()), (laser.points(), laser.map_from_laser()));
 }
 
 #[test]
@@ -85,6 +87,7 @@ fn a_frame_without_scan_is_a_frame() {
     let drive = open(&recording);
     assert!(drive.frame(0, &Pose::identity()).unwrap().laser().is_some());
     assert!(drive.frame(1, &Pose::identity()).unwrap().laser().is_none());
+    assert!(drive.laser(1, &Pose::identity()).unwrap().is_none());
     fs::remove_dir_all(recording.dir.join("velodyne_points")).unwrap();
     assert!(open(&recording).frame(0, &Pose::identity()).unwrap().laser().is_none());
 }

@@ -2,8 +2,8 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use evigrid_core::{Disparity, Frame, GrayImage, Matching, Mounting, Pose, StereoRig, level_camera};
-use evigrid_grid::{GridSettings, GridSpec, PlanSpec, SafetyMap};
-use evigrid_safety_map::{Column, Columns, Moments, Robot, SafetyMapSettings, label_columns};
+use evigrid_grid::{GridSettings, GridSpec, Moments, PlanSpec, SafetyMap};
+use evigrid_safety_map::{Column, Columns, Robot, SafetyMapSettings, label_columns};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 
 /// Cells of 0.1 m, 4 x 4 m around the origin.

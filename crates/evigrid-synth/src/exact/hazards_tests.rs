@@ -7,7 +7,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::*;
 use crate::exact::SafetyTruth;
 use crate::exact::fixtures::{a_box, grid, world};
-use evigrid_grid::SafetyRules;
+use evigrid_grid::safe_ground::SafetyRules;
 
 /// A floor with a block of 1 m x 1 m about (6.5, 0.5), and these areas.
 fn block(areas: &str) -> World {

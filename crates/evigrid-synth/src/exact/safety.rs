@@ -1,7 +1,8 @@
 //! Where a robot can drive, by the definitions of a published method but with the world's real surfaces.
 
 use evigrid_core::Pose;
-use evigrid_grid::{GridSpec, Plan, SafetyLabel, SafetyMap, SafetyRules, Surface, Verdict};
+use evigrid_grid::safe_ground::{Plan, SafetyRules, Surface, Verdict};
+use evigrid_grid::{GridSpec, SafetyLabel, SafetyMap};
 use rayon::prelude::*;
 
 use super::safety_map::safety_map;

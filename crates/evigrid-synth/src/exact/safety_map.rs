@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use evigrid_grid::{PlanSpec, SafetyLabel, SafetyMap, SafetyPlane, Surface};
+use evigrid_grid::safe_ground::Surface;
+use evigrid_grid::{PlanSpec, SafetyLabel, SafetyMap, SafetyPlane};
 use nalgebra::Vector3;
 
 /// Planes are one if the components of their normals, and their offsets in metres, differ by no more than

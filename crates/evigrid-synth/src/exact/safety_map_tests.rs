@@ -8,7 +8,7 @@ use super::super::safety::SafetyTruth;
 use super::super::terrain::{GroundColumn, TerrainTruth};
 use super::*;
 use crate::World;
-use evigrid_grid::SafetyRules;
+use evigrid_grid::safe_ground::SafetyRules;
 
 fn truths(world: &World, spec: GridSpec, map_from_world: &Pose) -> (SafetyTruth, TerrainTruth) {
     let safety = SafetyTruth::new(world, spec, map_from_world, 0, &SafetyRules::default()).unwrap();

@@ -1,7 +1,8 @@
 //! Heights and slopes of the ground.
 
 use evigrid_core::Pose;
-use evigrid_grid::{GridSpec, Surface};
+use evigrid_grid::GridSpec;
+use evigrid_grid::safe_ground::Surface;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 

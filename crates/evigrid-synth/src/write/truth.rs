@@ -5,7 +5,8 @@ use std::ops::Range;
 use std::path::Path;
 
 use evigrid_core::Pose;
-use evigrid_grid::{GridSpec, SafetyLabel, SafetyMap, SafetyRules};
+use evigrid_grid::safe_ground::SafetyRules;
+use evigrid_grid::{GridSpec, SafetyLabel, SafetyMap};
 use evigrid_results::npz::NpzWriter;
 
 use super::error::WriteError;

@@ -1,7 +1,7 @@
 //! Least-squares planes against exact ones.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-use evigrid_safety_map::{Moments, Plane};
+use evigrid_grid::{Moments, Plane};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 

@@ -1,6 +1,6 @@
-//! Least-squares planes (section V-B).
+//! Least-squares planes of points (Murarka and Kuipers 2009, section V-B).
 
-use evigrid_grid::SafetyPlane;
+use crate::SafetyPlane;
 use nalgebra::Vector3;
 
 /// Sums over points, from which a plane is fitted: they add up.
