@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use evigrid_core::{Frame, Matching};
 use evigrid_grid::{HybridModel, Layer, LayerKind, Needs};
 use evigrid_methods::Family;
-use evigrid_metrics::{SafetyCase, Scores};
+use evigrid_metrics::{SafetyTally, Scores};
 use evigrid_results::{MethodMaps, MethodResult, RunResult, StageTime};
 
 use crate::lane::Lane;
@@ -107,7 +107,7 @@ pub(crate) struct Pass<'a> {
     truths: Vec<Truth>,
     /// For each entrant its safety map, counted over all frames so far; `None` while there was nothing to
     /// count.
-    safety: Vec<Option<SafetyCase>>,
+    safety: Vec<Option<SafetyTally>>,
 }
 
 /// A frame that has been integrated.
@@ -220,6 +220,7 @@ impl<'a> Pass<'a> {
         if self.truth(number).safety().is_none() {
             return Ok(());
         }
+        let mut tally = self.safety[number].take();
         let (entrant, layers) = (self.entrants[number], self.layers(number));
         let own = layers.iter().find_map(Layer::safety);
         let labelled = match (own, layers.iter().find_map(Layer::voxels), entrant.job.mounting) {
@@ -228,10 +229,10 @@ impl<'a> Pass<'a> {
             }
             _ => None,
         };
-        let case = own.or(labelled.as_ref()).and_then(|map| self.truth(number).safety_case(map));
-        if let Some(case) = case {
-            self.safety[number].get_or_insert_default().add(&case);
+        if let Some(map) = own.or(labelled.as_ref()) {
+            self.truth(number).tally_safety(map, &mut tally);
         }
+        self.safety[number] = tally;
         Ok(())
     }
 
@@ -281,8 +282,9 @@ impl<'a> Pass<'a> {
     pub fn method_result(&self, number: usize, layers: &[Layer<'_>]) -> MethodResult {
         let entrant = &self.entrants[number];
         let tolerances_m = &entrant.job.info.tolerances_m;
-        let scores = self.truth(number).final_scores(layers, tolerances_m, self.safety[number].as_ref());
-        MethodResult { method: entrant.name().to_owned(), scores }
+        let safety = self.safety[number].clone();
+        let scores = self.truth(number).final_scores(layers, tolerances_m, safety.as_ref());
+        MethodResult { method: entrant.name().to_owned(), scores, safety }
     }
 
     /// The result of a run with these methods, whose times nobody took.

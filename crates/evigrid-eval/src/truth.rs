@@ -4,9 +4,11 @@ use anyhow::{Context, Result};
 use evigrid_core::{Frame, Mounting, Pose};
 use evigrid_grid::safe_ground::SafetyRules;
 use evigrid_grid::{GridSpec, Layer, LayerKind, PlanGrid, SafetyMap, levels_in_band, projected};
-use evigrid_metrics::{PlanReference, PlanningDisc, SafetyCase, SafetyReference, Scores, VoxelReference};
+use evigrid_metrics::{
+    NamedArea, PlanReference, PlanningDisc, SafetyCase, SafetyReference, SafetyTally, Scores, VoxelReference,
+};
 use evigrid_results::TruthFile;
-use evigrid_synth::{SafetyTruth, VoxelState, VoxelTruth};
+use evigrid_synth::{Hazard, SafetyTruth, VoxelState, VoxelTruth, World, hazards_or_nothing};
 use evigrid_truth::{LaserSafety, LaserTruth, RobotPlace, TruthSettings, TruthSource};
 
 use crate::plan::RunJob;
@@ -32,6 +34,8 @@ struct Robot {
     last_scored: Option<Pose>,
     has_moved: bool,
     disc: Option<PlanningDisc>,
+    /// Number of frames so far.
+    frames: usize,
 }
 
 /// A robot that moves and turns by less stands still, metres and radians: its frames are not scored (Murarka
@@ -40,6 +44,7 @@ const STANDING: [f64; 2] = [1e-3, 1e-3];
 
 impl Robot {
     fn at(&mut self, pose: &Pose) {
+        self.frames += 1;
         let Some(mounting) = self.mounting else { return };
         self.has_moved = self.last_scored.is_none_or(|last| {
             let motion_m = (last.translation.vector - pose.translation.vector).norm();
@@ -129,11 +134,13 @@ impl Truth {
         self.safety.as_ref().map(SafetyReference::map)
     }
 
-    /// A safety map counted against the truth around the robot of the last frame; `None` without such a truth,
-    /// or if the robot has stood still.
-    pub(crate) fn safety_case(&self, found: &SafetyMap) -> Option<SafetyCase> {
-        let truth = self.safety.as_ref().filter(|_| self.robot.has_moved)?;
-        Some(SafetyCase::new(found, truth, self.robot.disc))
+    /// Counts a safety map against the truth around the robot of the last frame, unless there is no such truth or
+    /// the robot has stood still.
+    pub(crate) fn tally_safety(&self, found: &SafetyMap, tally: &mut Option<SafetyTally>) {
+        if let (Some(truth), Some(disc), true) = (&self.safety, self.robot.disc, self.robot.has_moved) {
+            let tally = tally.get_or_insert_with(|| SafetyTally::new(truth));
+            tally.add(found, truth, disc, self.robot.frames - 1);
+        }
     }
 
     /// How many laser scans are in it.
@@ -167,12 +174,12 @@ impl Truth {
         &self,
         layers: &[Layer<'_>],
         tolerances_m: &[f64],
-        safety: Option<&SafetyCase>,
+        safety: Option<&SafetyTally>,
     ) -> Vec<Scores> {
         let others = layers.iter().filter(|layer| layer.kind() != LayerKind::Safety);
         let own = others.filter_map(|layer| self.score(layer, tolerances_m, Scores::voxels_at_end));
         let mut scores: Vec<Scores> = own.collect();
-        scores.extend(safety.map(Scores::safety));
+        scores.extend(safety.map(|tally| Scores::safety(&tally.case)));
         let has_plan = layers.iter().any(|layer| layer.kind() == LayerKind::Plan);
         let voxels = layers.iter().find_map(Layer::voxels);
         if let (false, Some(map), Some(levels)) = (has_plan, voxels, self.band.clone()) {
@@ -210,15 +217,39 @@ fn safety_reference(job: &RunJob, recording: &Recording) -> Result<Option<Safety
     if !job.shows(LayerKind::Safety) {
         return Ok(None);
     }
-    match (job.config.truth.source, recording.world(), job.mounting) {
-        (TruthSource::Exact, Some(world), _) => {
-            let (spec, first) = (job.info.spec, job.info.frames[0]);
-            let truth = SafetyTruth::new(world, spec, &job.map_from_world, first, &SafetyRules::default());
-            Ok(Some(SafetyReference::new(truth.context("truth.source = exact")?.map())))
-        }
-        (TruthSource::Laser, _, Some(mounting)) => laser_safety(job, recording, mounting),
-        _ => Ok(None),
+    let reference = match (job.config.truth.source, recording.world(), job.mounting) {
+        (TruthSource::Exact, Some(world), _) => Some(exact_safety(job, world)?),
+        (TruthSource::Laser, _, Some(mounting)) => laser_safety(job, recording, mounting)?,
+        _ => None,
+    };
+    match (reference, job.mounting) {
+        (Some(reference), Some(mounting)) => Ok(Some(reference.with_way(&way_m(job, recording, mounting)?))),
+        (reference, _) => Ok(reference),
     }
+}
+
+/// The robot's places in the map frame, metres, one per frame of the run.
+fn way_m(job: &RunJob, recording: &Recording, mounting: Mounting) -> Result<Vec<[f64; 2]>> {
+    let place = |&frame: &usize| {
+        let world_from_left = recording.sequence().world_from_left(frame)?;
+        Ok(mounting.robot_m(&(job.map_from_world * world_from_left)))
+    };
+    job.info.frames.iter().map(place).collect()
+}
+
+/// The safety labels of a world, with its named hazards and safe areas.
+fn exact_safety(job: &RunJob, world: &World) -> Result<SafetyReference> {
+    let (spec, first) = (job.info.spec, job.info.frames[0]);
+    let truth = SafetyTruth::new(world, spec, &job.map_from_world, first, &SafetyRules::default());
+    let map = truth.context("truth.source = exact")?.map();
+    let areas = hazards_or_nothing(world, &job.map_from_world, &map).into_iter().map(named_area);
+    let areas = areas.filter(|area| !area.cells.is_empty()).collect();
+    Ok(SafetyReference::new(map).with_areas(areas))
+}
+
+fn named_area(hazard: Hazard) -> NamedArea {
+    let Hazard { name, kind, cells } = hazard;
+    NamedArea { name, kind: kind.name().to_owned(), is_safe: kind.is_safe(), cells }
 }
 
 /// The safety labels of all laser scans of the run; `None` without any.

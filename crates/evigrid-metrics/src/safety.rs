@@ -2,7 +2,8 @@ use evigrid_grid::{PlanSpec, SafetyLabel, SafetyMap, SafetyPlane};
 
 use crate::ratio;
 use crate::robust_plane::robust_plane;
-use crate::safety_reference::{PlanningDisc, SafetyReference};
+use crate::safety_cells::{JudgedCell, PlanningDisc, judged_cells};
+use crate::safety_reference::SafetyReference;
 
 /// A safety map counted against the true one, after one frame or summed over frames.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -54,29 +55,27 @@ impl SafetyCase {
     /// Looks up every cell of the true map in the found one by its centre; `disc` is the part that counts, all
     /// of it if none.
     pub fn new(found: &SafetyMap, truth: &SafetyReference, disc: Option<PlanningDisc>) -> Self {
-        let (mut case, map) = (Self::default(), truth.map());
-        let mut planes = PlanePairs::new(found, truth);
-        for (flat, label) in map.labels().iter().enumerate() {
-            let Some(safe) = label.is_safe() else { continue };
-            if !disc.is_none_or(|disc| disc.contains(map.spec(), flat)) {
-                continue;
-            }
-            let cell = found.spec().cell_of(map.spec().centre_m(flat));
-            let known = cell.map_or(SafetyLabel::Unknown, |cell| found.labels()[cell]);
-            *case.strict.of(safe, known.is_safe()) += 1;
-            if !truth.is_at_border(flat) {
-                *case.beside_borders.of(safe, known.is_safe()) += 1;
-            }
-            if *label == SafetyLabel::Inclined && known.is_safe().is_some() {
-                case.inclined += 1;
-                case.inclined_found += usize::from(known == SafetyLabel::Inclined);
-            }
-            if let Some(cell) = cell.filter(|_| known.is_safe() == Some(true)) {
-                planes.add(cell, flat);
+        let (mut case, mut planes) = (Self::default(), PlanePairs::new(found, truth));
+        for cell in judged_cells(found, truth, disc) {
+            case.count(&cell, truth.is_at_border(cell.flat));
+            if let Some(found_at) = cell.found_at.filter(|_| cell.found.is_safe() == Some(true)) {
+                planes.add(found_at, cell.flat);
             }
         }
         planes.judge(&mut case);
         case
+    }
+
+    fn count(&mut self, cell: &JudgedCell, is_at_border: bool) {
+        let found = cell.found.is_safe();
+        *self.strict.of(cell.safe, found) += 1;
+        if !is_at_border {
+            *self.beside_borders.of(cell.safe, found) += 1;
+        }
+        if cell.truth == SafetyLabel::Inclined && found.is_some() {
+            self.inclined += 1;
+            self.inclined_found += usize::from(cell.found == SafetyLabel::Inclined);
+        }
     }
 
     /// Adds the counts of another frame.
@@ -184,7 +183,7 @@ fn mean_distance_m(found: &SafetyPlane, truth: &SafetyPlane, spec: &PlanSpec, ce
 }
 
 impl SafetyCounts {
-    fn add(&mut self, other: &Self) {
+    pub(crate) fn add(&mut self, other: &Self) {
         self.true_positives += other.true_positives;
         self.false_positives += other.false_positives;
         self.true_negatives += other.true_negatives;
@@ -194,7 +193,7 @@ impl SafetyCounts {
     }
 
     /// The count of cells that are safe or not in truth, and in the map (`None`: not classified there).
-    fn of(&mut self, safe: bool, found: Option<bool>) -> &mut usize {
+    pub(crate) fn of(&mut self, safe: bool, found: Option<bool>) -> &mut usize {
         match (safe, found) {
             (false, Some(false)) => &mut self.true_positives,
             (true, Some(false)) => &mut self.false_positives,

@@ -81,6 +81,7 @@ fn record(path: &Path, whole: bool) {
     let methods = [("first", &map), ("second", &empty)].map(|(name, map)| MethodResult {
         method: name.into(),
         scores: vec![Scores::voxels_at_end(map.values(), &reference, &[])],
+        safety: None,
     });
     let result = RunResult {
         methods: methods.to_vec(),

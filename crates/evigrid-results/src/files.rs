@@ -17,6 +17,10 @@ pub const TIMING: &str = "timing.csv";
 pub const TRUTH: &str = "truth.npz";
 /// True safety labels of a run.
 pub const SAFETY_TRUTH: &str = "truth.safety.npz";
+/// Scores of safety maps by where the cells lie.
+pub const SAFETY_PLACES: &str = "places.safety.csv";
+/// Named hazards and safe areas in the safety maps of a run.
+pub const HAZARDS: &str = "hazards.safety.csv";
 /// Hits against mistakes over the threshold, one file per method.
 pub const CURVE: FileNames = FileNames { before: "curve.", after: ".csv" };
 /// A safety map as a picture for ROS's map_server, one file per method.
@@ -86,7 +90,8 @@ pub fn map(kind: LayerKind) -> FileNames {
 /// Whether runs write files of this name.
 pub fn is_of_run(name: &str) -> bool {
     let of_layer = |kind| name == frames(kind) || name == summary(kind) || map(kind).contain(name);
-    [CONFIG, RECORDING, RUN, SUMMARY_PAGE, TIMING, TRUTH, SAFETY_TRUTH].contains(&name)
+    [CONFIG, RECORDING, RUN, SUMMARY_PAGE, TIMING, TRUTH, SAFETY_TRUTH, SAFETY_PLACES, HAZARDS]
+        .contains(&name)
         || [CURVE, ROS_PICTURE, ROS_YAML, MODEL].iter().any(|names| names.contain(name))
         || LayerKind::ALL.into_iter().any(of_layer)
 }
@@ -106,7 +111,9 @@ mod tests {
         for name in ["map.line.npz", "plan.a-b.npz", "curve.x.csv", "summary.plan.csv", "truth.safety.npz"] {
             assert!(is_of_run(name), "{name}");
         }
-        for name in ["map.a-b.pgm", "map.a-b.yaml", "model.a-b.ply"] {
+        for name in
+            ["map.a-b.pgm", "map.a-b.yaml", "model.a-b.ply", "places.safety.csv", "hazards.safety.csv"]
+        {
             assert!(is_of_run(name), "{name}");
         }
         for name in [

@@ -1,5 +1,5 @@
 use evigrid_grid::{GridSpec, HybridModel, Layer, LayerKind, SafetyMap};
-use evigrid_metrics::{Scores, VoxelReference};
+use evigrid_metrics::{SafetyTally, Scores, VoxelReference};
 use serde_json::Value;
 
 /// Description of a run before its first frame.
@@ -68,6 +68,8 @@ pub struct MethodResult {
     pub method: String,
     /// One entry per kind of layer that there is a truth for.
     pub scores: Vec<Scores>,
+    /// Its safety map by place and by hazard, summed over frames; `None` if it was not scored.
+    pub safety: Option<SafetyTally>,
 }
 
 impl MethodResult {
@@ -98,6 +100,11 @@ pub struct RunResult {
 }
 
 impl RunResult {
+    /// Each method whose safety map was scored, by name.
+    pub(crate) fn safety(&self) -> impl Iterator<Item = (&str, &SafetyTally)> {
+        self.methods.iter().filter_map(|method| Some((method.method.as_str(), method.safety.as_ref()?)))
+    }
+
     /// Whether any method has scores of a kind of layer.
     pub(crate) fn has_scores(&self, kind: LayerKind) -> bool {
         self.methods.iter().any(|method| method.scores_of(kind).is_some())

@@ -16,6 +16,7 @@ pub mod npz;
 mod outputs;
 mod ros_map;
 mod run_file;
+mod safety_tables;
 mod summary;
 mod tables;
 #[cfg(test)]

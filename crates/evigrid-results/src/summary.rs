@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use evigrid_grid::LayerKind;
 use evigrid_metrics::{Kind, Score, Scores};
 
+use crate::safety_tables::hazards_page;
 use crate::{RunInfo, RunResult};
 
 /// Words for a source of truth.
@@ -35,6 +36,10 @@ const EXACT: Words = Words {
 const NO_LABELS: &str = "No true safety labels came with these frames (synthetic worlds have them, with \
                          truth.source = exact): the maps are not scored.";
 
+const HAZARDS_NOTE: &str = "Share of the cells within the planning radius that are right (unsafe, or safe in a safe \
+                            area) when the robot is nearest, and the distance from which half of them were \
+                            right for the first time.";
+
 /// The result of a run as Markdown.
 pub fn markdown_summary(info: &RunInfo, result: &RunResult) -> String {
     let words = if info.truth == "exact" { EXACT } else { LASER };
@@ -64,7 +69,20 @@ pub fn markdown_summary(info: &RunInfo, result: &RunResult) -> String {
             table(&mut text, result, kind);
         }
     }
+    hazards(&mut text, result);
     text
+}
+
+/// What the maps say of each named hazard and safe area.
+fn hazards(text: &mut String, result: &RunResult) {
+    let rows = hazards_page(result);
+    let Some(header) = rows.first() else { return };
+    let _ = writeln!(text, "\n## Hazards and safe areas\n\n{HAZARDS_NOTE}\n");
+    let line = |row: &[String]| format!("| {} |", row.join(" | "));
+    let _ = writeln!(text, "{}\n|{}", line(header), " --- |".repeat(header.len()));
+    rows[1..].iter().for_each(|row| {
+        let _ = writeln!(text, "{}", line(row));
+    });
 }
 
 fn heading(info: &RunInfo, result: &RunResult) -> String {
@@ -143,7 +161,9 @@ mod tests {
              unsafe taken for safe, off borders | safe taken for unsafe, off borders | inclined found | \
              planes, deg | planes, cm |\n\
              | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n\
-             | all | 0.000 | NaN | 0.000 | 1.000 | 0.000 | NaN | NaN | NaN | NaN |\n"
+             | all | 0.000 | NaN | 0.000 | 1.000 | 0.000 | NaN | NaN | NaN | NaN |\n\n\
+             ## Hazards and safe areas\n\n{HAZARDS_NOTE}\n\n\
+             | area | kind | all |\n| --- | --- | --- |\n| kerb | step | 100 %, from 0.0 m |\n"
         );
         assert_eq!(markdown_summary(&info(), &result()), expected);
     }
@@ -162,7 +182,7 @@ mod tests {
     #[test]
     fn maps_that_were_not_scored_are_not_in_a_table() {
         let mut result = result();
-        result.methods.iter_mut().for_each(|method| method.scores.clear());
+        result.methods.iter_mut().for_each(|method| (method.scores, method.safety) = (Vec::new(), None));
         let expected = format!("{START}No laser scan came with these frames: the maps are not scored.\n");
         assert_eq!(markdown_summary(&info(), &result), expected);
         let safety = |method: MethodInfo| MethodInfo { layers: vec![LayerKind::Safety], ..method };

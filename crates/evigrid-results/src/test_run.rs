@@ -3,7 +3,10 @@
 use evigrid_grid::{
     GridSettings, GridSpec, HybridModel, LayerKind, LogOddsGrid, PlanGrid, SafetyLabel, SafetyMap,
 };
-use evigrid_metrics::{PlanReference, PlanState, SafetyCase, SafetyReference, Scores, VoxelReference};
+use evigrid_metrics::{
+    NamedArea, PlanReference, PlanState, PlanningDisc, SafetyCase, SafetyReference, SafetyTally, Scores,
+    VoxelReference,
+};
 use serde_json::json;
 
 use crate::{MethodInfo, MethodResult, RunInfo, RunResult, SettingsText};
@@ -65,6 +68,15 @@ pub fn safety_scores() -> Scores {
     Scores::safety(&SafetyCase::new(&safety(), &SafetyReference::new(safety()), None))
 }
 
+/// The safety map against itself around a robot on its only unsafe cell, a hazard.
+pub fn safety_tally() -> SafetyTally {
+    let area = NamedArea { name: "kerb".into(), kind: "step".into(), is_safe: false, cells: vec![0] };
+    let truth = SafetyReference::new(safety()).with_areas(vec![area]);
+    let mut tally = SafetyTally::new(&truth);
+    tally.add(&safety(), &truth, PlanningDisc { at_m: [0.1, 0.1], radius_m: 4.0 }, 0);
+    tally
+}
+
 /// Final scores: voxels of both methods, plan of both (that of `line` by projection), safety labels of the
 /// second.
 pub fn result() -> RunResult {
@@ -77,11 +89,12 @@ pub fn result() -> RunResult {
     let voxels = Scores::voxels_at_end(voxels().values(), &truth, &info.tolerances_m);
     let plan = Scores::plan(&plan(), &plan_truth);
     let safety = safety_scores();
-    let method = |name: &str, scores: Vec<Scores>| MethodResult { method: name.to_owned(), scores };
+    let method =
+        |name: &str, scores: Vec<Scores>, safety| MethodResult { method: name.to_owned(), scores, safety };
     RunResult {
         methods: vec![
-            method("line", vec![voxels.clone(), plan.clone()]),
-            method("all", vec![voxels, plan, safety]),
+            method("line", vec![voxels.clone(), plan.clone()], None),
+            method("all", vec![voxels, plan, safety], Some(safety_tally())),
         ],
         frames: 2,
         without_laser: vec![2],

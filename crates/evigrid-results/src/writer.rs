@@ -6,6 +6,7 @@ use evigrid_grid::LayerKind;
 use serde_json::Value;
 
 use crate::map_files::MapFiles;
+use crate::safety_tables::{hazard_rows, place_rows};
 use crate::tables::{TIMING_COLUMNS, curve_rows, frame_rows, frames_header, summary_rows, timing_rows};
 use crate::{
     FrameRow, MethodMaps, PendingFile, ResultsFolder, RunInfo, RunResult, SealedFile, StageTime, TruthFile,
@@ -58,6 +59,14 @@ struct FrameFiles {
     scores: Vec<LayerTable>,
     timing: Writer<PendingFile>,
     summary: PendingFile,
+    safety: Option<SafetyFiles>,
+}
+
+/// Tables of safety maps.
+#[derive(Debug)]
+struct SafetyFiles {
+    places: Writer<PendingFile>,
+    hazards: Writer<PendingFile>,
 }
 
 impl ResultsWriter {
@@ -156,7 +165,9 @@ impl FrameFiles {
         let scores = scores.collect::<Result<_>>()?;
         let mut timing = table(folder, files::TIMING)?;
         write_rows(&mut timing, [TIMING_COLUMNS.map(str::to_owned).to_vec()])?;
-        Ok(Self { scores, timing, summary: folder.create(files::SUMMARY_PAGE)? })
+        let has_safety = layers(info).any(|layer| layer.kind == LayerKind::Safety);
+        let safety = has_safety.then(|| SafetyFiles::create(folder)).transpose()?;
+        Ok(Self { scores, timing, summary: folder.create(files::SUMMARY_PAGE)?, safety })
     }
 
     fn finish(mut self, info: &RunInfo, result: &RunResult, sealed: &mut Vec<SealedFile>) -> Result<()> {
@@ -166,6 +177,22 @@ impl FrameFiles {
         sealed.push(seal(self.timing)?);
         write_text(&mut self.summary, &markdown_summary(info, result))?;
         sealed.push(self.summary.seal()?);
+        self.safety.map_or(Ok(()), |safety| safety.finish(info, result, sealed))
+    }
+}
+
+impl SafetyFiles {
+    fn create(folder: &ResultsFolder) -> Result<Self> {
+        Ok(Self { places: table(folder, files::SAFETY_PLACES)?, hazards: table(folder, files::HAZARDS)? })
+    }
+
+    /// Writes the tables that have rows.
+    fn finish(self, info: &RunInfo, result: &RunResult, sealed: &mut Vec<SealedFile>) -> Result<()> {
+        let tables = [(self.places, place_rows(info, result)), (self.hazards, hazard_rows(info, result))];
+        for (mut table, rows) in tables.into_iter().filter(|(_, rows)| rows.len() > 1) {
+            write_rows(&mut table, rows)?;
+            sealed.push(seal(table)?);
+        }
         Ok(())
     }
 }

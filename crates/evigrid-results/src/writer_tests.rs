@@ -50,7 +50,8 @@ fn every_file_is_written() {
     let dir = tempfile::tempdir().unwrap();
     write(dir.path(), &info(), &result(), ALL);
     let expected = "config.toml curve.all.csv curve.line.csv frames.csv frames.plan.csv frames.safety.csv \
-        map.all.npz map.all.pgm map.all.yaml map.line.npz model.all.ply plan.all.npz run.json safety.all.npz summary.csv summary.md \
+        hazards.safety.csv map.all.npz map.all.pgm map.all.yaml map.line.npz model.all.ply places.safety.csv \
+        plan.all.npz run.json safety.all.npz summary.csv summary.md \
         summary.plan.csv summary.safety.csv timing.csv truth.npz truth.safety.npz";
     assert_eq!(names(dir.path()).join(" "), expected);
     assert!(has_maps(dir.path(), &info()));
@@ -119,6 +120,21 @@ fn tables_of_final_scores() {
         read("summary.safety.csv")
             .ends_with("\nyard,line,2,,,,,,,,,,\nyard,all,2,0.000000,,0.000000,1.000000,0.000000,,,,,\n")
     );
+    assert_eq!(
+        read("hazards.safety.csv"),
+        "dataset,method,area,kind,cells,nearest_m,right_at_nearest,wrong_at_nearest,right,wrong,first_m,half_m\n\
+         yard,all,kerb,step,1,0.000,1.000000,0.000000,1.000000,0.000000,0.000,0.000\n"
+    );
+    let places = read("places.safety.csv");
+    let lines: Vec<&str> = places.lines().collect();
+    assert_eq!(
+        lines[..2],
+        [
+            "dataset,method,place,from_m,to_m,true_positives,false_positives,true_negatives,false_negatives,\
+             unclassified_safe,unclassified_unsafe,fn_rate,fp_rate,unclassified",
+            "yard,all,ring around the robot,0.000,1.000,1,0,0,0,0,0,0.000000,,0.000000",
+        ]
+    );
     let curve = read("curve.line.csv");
     let lines: Vec<&str> = curve.lines().collect();
     assert_eq!(lines.len(), 102);
@@ -170,7 +186,7 @@ fn what_is_not_kept_is_not_written() {
     let dir = tempfile::tempdir().unwrap();
     write(dir.path(), &info(), &result(), ALL);
     let mut unscored = result();
-    unscored.methods.iter_mut().for_each(|method| method.scores.clear());
+    unscored.methods.iter_mut().for_each(|method| (method.scores, method.safety) = (Vec::new(), None));
     let kept = Kept { frames: false, maps: false };
     write(dir.path(), &info(), &unscored, kept);
     let expected = ["config.toml", "curve.all.csv", "curve.line.csv", "run.json", "summary.csv"];
