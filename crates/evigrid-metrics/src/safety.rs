@@ -183,7 +183,8 @@ fn mean_distance_m(found: &SafetyPlane, truth: &SafetyPlane, spec: &PlanSpec, ce
 }
 
 impl SafetyCounts {
-    pub(crate) fn add(&mut self, other: &Self) {
+    /// Adds the counts of other cells.
+    pub fn add(&mut self, other: &Self) {
         self.true_positives += other.true_positives;
         self.false_positives += other.false_positives;
         self.true_negatives += other.true_negatives;

@@ -1,10 +1,12 @@
 //! One item at work, and what all groups have in common.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use evigrid_core::name_hint;
 use evigrid_replay::DatasetInfo;
+use evigrid_results::MethodResult;
 
 use crate::chart::Sheet;
 use crate::table::csv_text;
@@ -58,13 +60,15 @@ pub struct Job<'a, 'b> {
     pub folders: &'a Folders,
     pub tools: &'a mut Tools<'b>,
     pub files: Vec<PathBuf>,
+    /// Results of maps that several items are made from, by a name of the group's own.
+    pub results: BTreeMap<String, Vec<MethodResult>>,
     group: &'static str,
     item: &'static str,
 }
 
 impl<'a, 'b> Job<'a, 'b> {
     pub fn new(group: &'static str, folders: &'a Folders, tools: &'a mut Tools<'b>) -> Self {
-        Self { folders, tools, files: Vec::new(), group, item: "" }
+        Self { folders, tools, files: Vec::new(), results: BTreeMap::new(), group, item: "" }
     }
 
     /// The next item.

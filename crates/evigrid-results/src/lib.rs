@@ -37,6 +37,7 @@ pub use model_file::write_model;
 pub use outputs::{PendingFile, ResultsFolder, SealedFile};
 pub use ros_map::{write_ros_picture, write_ros_yaml};
 pub use run_file::{RESULTS_FORMAT, run_json};
+pub use safety_tables::{HAZARD_COLUMNS, PLACE_COLUMNS, hazard_cells, place_cells};
 pub use summary::markdown_summary;
 pub use tables::{seal, summary_header, write_rows, write_text};
 pub use writer::{Kept, ResultsWriter, has_maps};

@@ -4,9 +4,8 @@ use evigrid_metrics::{AreaTally, AreaView, PlaceCounts, SafetyCounts};
 
 use crate::{RunInfo, RunResult};
 
-const PLACES_HEADER: [&str; 14] = [
-    "dataset",
-    "method",
+/// Columns of a place, after those that name the map.
+pub const PLACE_COLUMNS: [&str; 12] = [
     "place",
     "from_m",
     "to_m",
@@ -21,9 +20,9 @@ const PLACES_HEADER: [&str; 14] = [
     "unclassified",
 ];
 
-const HAZARDS_HEADER: [&str; 12] = [
-    "dataset",
-    "method",
+/// Columns of a hazard or safe area, after those that name the map. `right` and `wrong` are shares of its cells
+/// within the planning radius; distances are those of the robot from the nearest of its cells.
+pub const HAZARD_COLUMNS: [&str; 10] = [
     "area",
     "kind",
     "cells",
@@ -36,20 +35,32 @@ const HAZARDS_HEADER: [&str; 12] = [
     "half_m",
 ];
 
+/// Columns that name the map.
+const NAMES: [&str; 2] = ["dataset", "method"];
+
+fn header(columns: &[&str]) -> Vec<String> {
+    NAMES.iter().chain(columns).map(|column| (*column).to_owned()).collect()
+}
+
 /// The table of places: header, then one row per method and place. Sums over frames within the planning radius;
 /// rates are empty where nothing was counted.
 pub(crate) fn place_rows(info: &RunInfo, result: &RunResult) -> Vec<Vec<String>> {
-    let mut rows = vec![PLACES_HEADER.map(str::to_owned).to_vec()];
+    let mut rows = vec![header(&PLACE_COLUMNS)];
     for (method, tally) in result.safety() {
         let places = tally.places.list(tally.cell_size_m);
-        rows.extend(places.iter().map(|place| place_row(info, method, place)));
+        rows.extend(places.iter().map(|place| named(info, method, place_cells(place))));
     }
     rows
 }
 
-fn place_row(info: &RunInfo, method: &str, place: &PlaceCounts) -> Vec<String> {
+fn named(info: &RunInfo, method: &str, cells: Vec<String>) -> Vec<String> {
+    [info.dataset.clone(), method.to_owned()].into_iter().chain(cells).collect()
+}
+
+/// The cells of [`PLACE_COLUMNS`]; rates are empty where nothing was counted.
+pub fn place_cells(place: &PlaceCounts) -> Vec<String> {
     let counts = &place.counts;
-    let mut row = vec![info.dataset.clone(), method.to_owned(), place.place.to_owned()];
+    let mut row = vec![place.place.to_owned()];
     row.extend(place.range_m.map(|limit| limit.map_or(String::new(), |m| format!("{m:.3}"))));
     row.extend(numbers(counts).map(|n| n.to_string()));
     let rates = [counts.false_negative_rate(), counts.false_positive_rate(), counts.unclassified_rate()];
@@ -68,21 +79,21 @@ fn numbers(counts: &SafetyCounts) -> [usize; 6] {
     ]
 }
 
-/// The table of hazards and safe areas: header, then one row per method and area. `right` and `wrong` are shares
-/// of its cells within the planning radius; distances are those of the robot from the nearest of its cells.
+/// The table of hazards and safe areas: header, then one row per method and area.
 pub(crate) fn hazard_rows(info: &RunInfo, result: &RunResult) -> Vec<Vec<String>> {
-    let mut rows = vec![HAZARDS_HEADER.map(str::to_owned).to_vec()];
+    let mut rows = vec![header(&HAZARD_COLUMNS)];
     for (method, tally) in result.safety() {
-        rows.extend(tally.areas.iter().map(|area| hazard_row(info, method, area)));
+        rows.extend(tally.areas.iter().map(|area| named(info, method, hazard_cells(area))));
     }
     rows
 }
 
-fn hazard_row(info: &RunInfo, method: &str, tally: &AreaTally) -> Vec<String> {
+/// The cells of [`HAZARD_COLUMNS`]; empty where the area was never within the planning radius, or never right.
+pub fn hazard_cells(tally: &AreaTally) -> Vec<String> {
     let area = &tally.area;
     let distance = |view: &Option<AreaView>| view.map_or(String::new(), |v| format!("{:.3}", v.distance_m));
     let at_nearest = tally.nearest.map(|view| view.counts).unwrap_or_default();
-    let mut row = vec![info.dataset.clone(), method.to_owned(), area.name.clone(), area.kind.clone()];
+    let mut row = vec![area.name.clone(), area.kind.clone()];
     row.extend([area.cells.len().to_string(), distance(&tally.nearest)]);
     row.extend([tally.recall(&at_nearest), tally.wrong(&at_nearest)].map(rate));
     row.extend([tally.recall(&tally.counts), tally.wrong(&tally.counts)].map(rate));
@@ -112,9 +123,14 @@ pub(crate) fn hazards_page(result: &RunResult) -> Vec<Vec<String>> {
 
 fn hazard_cell(tally: &AreaTally) -> String {
     let Some(nearest) = tally.nearest else { return String::new() };
-    let right = 100.0 * tally.recall(&nearest.counts);
-    match tally.half {
-        Some(half) => format!("{right:.0} %, from {:.1} m", half.distance_m),
-        None => format!("{right:.0} %"),
+    let share = |value: f64| format!("{:.0} %", 100.0 * value);
+    let mut text = share(tally.recall(&nearest.counts));
+    let wrong = tally.wrong(&nearest.counts);
+    if wrong >= 0.005 {
+        text += &format!(", {} wrong", share(wrong));
     }
+    if let Some(half) = tally.half {
+        text += &format!(", from {:.1} m", half.distance_m);
+    }
+    text
 }

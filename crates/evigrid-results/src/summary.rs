@@ -36,9 +36,9 @@ const EXACT: Words = Words {
 const NO_LABELS: &str = "No true safety labels came with these frames (synthetic worlds have them, with \
                          truth.source = exact): the maps are not scored.";
 
-const HAZARDS_NOTE: &str = "Share of the cells within the planning radius that are right (unsafe, or safe in a safe \
-                            area) when the robot is nearest, and the distance from which half of them were \
-                            right for the first time.";
+const HAZARDS_NOTE: &str = "When the robot is nearest: share of the cells within the planning radius that are right \
+                            (unsafe, or safe in a safe area), and that are wrong; the rest is unknown. From: how \
+                            far the robot was when half of them were right for the first time.";
 
 /// The result of a run as Markdown.
 pub fn markdown_summary(info: &RunInfo, result: &RunResult) -> String {

@@ -2,11 +2,27 @@
 //! Drop-offs, and Obstacles for Safe Local Navigation" (2009), on worlds made after its descriptions: its own
 //! recordings are lost.
 
+mod fig6a;
+mod hazards;
+mod places;
 mod published;
+mod runs;
+mod shift;
+mod steps;
 mod table2;
 mod worlds;
 
 use crate::{Group, Items};
 
 /// The group of this paper.
-pub const GROUP: Group = Group { name: "murarka", items: Items::Listed(&[("table2", table2::make)]) };
+pub const GROUP: Group = Group {
+    name: "murarka",
+    items: Items::Listed(&[
+        ("table2", table2::make),
+        ("fig6a", fig6a::make),
+        ("hazards", hazards::make),
+        ("places", places::make),
+        ("steps", steps::make),
+        ("shift", shift::make),
+    ]),
+};

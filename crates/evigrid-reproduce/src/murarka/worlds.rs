@@ -2,8 +2,7 @@
 
 use anyhow::{Context, Result};
 use evigrid_eval::{Config, Mapped, Recording, map_together};
-use evigrid_grid::LayerKind;
-use evigrid_metrics::Scores;
+use evigrid_results::MethodResult;
 use evigrid_synth::World;
 
 use crate::job::Job;
@@ -40,24 +39,37 @@ pub const MATCHERS: [(&str, &[&str]); 3] = [
     ("exact", &["stereo.matcher=exact"]),
 ];
 
-/// A map to be made: the name of the matcher, the method, and settings of the method.
-#[derive(Debug, Clone)]
+/// A map to be made: the name of the matcher, the method, settings of the method, and by how many cells its grid,
+/// and that of the truth, is moved along x and y.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     pub matcher: &'static str,
     pub method: &'static str,
     pub sets: Vec<String>,
+    pub shift_cells: [f64; 2],
 }
 
 impl Entry {
-    fn config(&self, world: &World) -> Result<Config> {
+    /// A map on the grid of the world.
+    pub fn new(matcher: &'static str, method: &'static str, sets: Vec<String>) -> Self {
+        Self { matcher, method, sets, shift_cells: [0.0; 2] }
+    }
+
+    /// A map with the paper's settings, decr 1.
+    pub fn plain(matcher: &'static str, method: &'static str) -> Self {
+        Self::new(matcher, method, vec!["decrement=1".to_owned()])
+    }
+
+    /// The settings of a run that makes it.
+    pub fn config(&self, world: &World) -> Result<Config> {
         let matcher = MATCHERS.iter().find(|(name, _)| *name == self.matcher);
         let matcher = matcher.with_context(|| format!("no matcher {}", self.matcher))?.1;
         let spec = world.truth_grid();
         let (origin, shape, c) = (spec.origin_m(), spec.shape(), spec.cell_size_m());
-        let grid = ["x", "y", "z"]
-            .into_iter()
-            .enumerate()
-            .map(|(a, axis)| format!("grid.{axis}_m=[{}, {}]", origin[a], origin[a] + shape[a] as f64 * c));
+        let grid = ["x", "y", "z"].into_iter().enumerate().map(|(a, axis)| {
+            let from = origin[a] + self.shift_cells.get(a).map_or(0.0, |cells| cells * c);
+            format!("grid.{axis}_m=[{from}, {}]", from + shape[a] as f64 * c)
+        });
         let fixed = [format!("grid.cell_size_m={c}"), "truth.source=exact".to_owned()];
         let matcher = matcher.iter().map(|&set| set.to_owned());
         let own = self.sets.iter().map(|set| format!("{}.{set}", self.method));
@@ -68,16 +80,13 @@ impl Entry {
     }
 }
 
-/// Scores of the safety maps of one world, one for each entry, summed over its frames.
-pub fn scores(job: &mut Job<'_, '_>, name: &str, entries: &[Entry]) -> Result<Vec<Scores>> {
+/// The safety maps of one world, one for each entry, counted over its frames.
+pub fn results(job: &mut Job<'_, '_>, name: &str, entries: &[Entry]) -> Result<Vec<MethodResult>> {
     let world = World::builtin(name)?;
     job.say(&format!("synth:{name}, {} frames", world.frame_count()));
     let configs: Result<Vec<Config>> = entries.iter().map(|entry| entry.config(&world)).collect();
     let recording = Recording::from(world);
-    let look = |mapped: &Mapped<'_>| {
-        let own = mapped.result.scores.iter().find(|scores| scores.kind == LayerKind::Safety);
-        own.cloned().context("a world without a true safety map")
-    };
+    let look = |mapped: &Mapped<'_>| Ok(mapped.result.clone());
     map_together(&recording, configs?, job.tools.clock, &look, &mut || {})
 }
 
@@ -103,8 +112,8 @@ mod tests {
         for name in WORLDS {
             let world = World::builtin(name).unwrap();
             for (matcher, _) in MATCHERS {
-                let entry =
-                    Entry { matcher, method: "safety-map-plus", sets: vec!["decrement=3".to_owned()] };
+                let sets = vec!["decrement=3".to_owned()];
+                let entry = Entry::new(matcher, "safety-map-plus", sets);
                 let config = entry.config(&world).unwrap();
                 let spec = evigrid_grid::GridSpec::new(&config.grid).unwrap();
                 assert_eq!(
