@@ -112,9 +112,14 @@ pub struct SweepArgs {
 
 #[derive(Debug, clap::Args)]
 pub struct ScoreArgs {
-    /// The map: npz with indices [N,3], log_odds [N], origin [3], cell_size.
+    /// The map: npz with indices [N,3], log_odds [N], origin [3], cell_size; or safety labels, npz with labels
+    /// [nx,ny], origin [2], cell_size.
     #[arg(value_name = "MAP.npz")]
     pub map: PathBuf,
+    /// True safety labels for a map of such labels: truth.safety.npz of a run, or safety_map.png of a written
+    /// world. No recording is needed then; every cell that the truth knows counts.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["dataset", "frames", "stride", "config", "set"])]
+    pub truth: Option<PathBuf>,
     #[command(flatten)]
     pub input: InputArgs,
 }

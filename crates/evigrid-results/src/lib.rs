@@ -8,6 +8,7 @@ mod compare;
 pub mod files;
 mod info;
 mod label_colours;
+mod label_file;
 mod layer_file;
 mod map_file;
 mod map_files;
@@ -31,6 +32,7 @@ pub use info::{
     FrameRow, MethodInfo, MethodMaps, MethodResult, RunInfo, RunResult, SettingsText, StageTime, TruthFile,
 };
 pub use label_colours::{label_rgb, voxel_rgb};
+pub use label_file::{check_same_cells, is_label_file, read_labels};
 pub use layer_file::{write_layer, write_plan, write_safety};
 pub use map_file::{MapFile, read_map, write_map, write_truth};
 pub use model_file::write_model;
@@ -38,6 +40,6 @@ pub use outputs::{PendingFile, ResultsFolder, SealedFile};
 pub use ros_map::{write_ros_picture, write_ros_yaml};
 pub use run_file::{RESULTS_FORMAT, run_json};
 pub use safety_tables::{HAZARD_COLUMNS, PLACE_COLUMNS, hazard_cells, place_cells};
-pub use summary::markdown_summary;
+pub use summary::{markdown_summary, markdown_table};
 pub use tables::{seal, summary_header, write_rows, write_text};
 pub use writer::{Kept, ResultsWriter, has_maps};

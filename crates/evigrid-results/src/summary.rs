@@ -6,7 +6,7 @@ use evigrid_grid::LayerKind;
 use evigrid_metrics::{Kind, Score, Scores};
 
 use crate::safety_tables::hazards_page;
-use crate::{RunInfo, RunResult};
+use crate::{MethodResult, RunInfo, RunResult};
 
 /// Words for a source of truth.
 struct Words {
@@ -51,7 +51,7 @@ pub fn markdown_summary(info: &RunInfo, result: &RunResult) -> String {
     }
     if let Some(scores) = any_scores(result, LayerKind::Voxels) {
         let _ = writeln!(text, "{}: {}.\n", words.says, reference(scores));
-        table(&mut text, result, LayerKind::Voxels);
+        text += &markdown_table(&result.methods, LayerKind::Voxels);
     }
     if !result.without_laser.is_empty() {
         let _ = writeln!(
@@ -66,7 +66,7 @@ pub fn markdown_summary(info: &RunInfo, result: &RunResult) -> String {
     for (kind, heading) in [(LayerKind::Plan, "Ground plan"), (LayerKind::Safety, "Safety")] {
         if result.has_scores(kind) {
             let _ = writeln!(text, "\n## {heading}\n");
-            table(&mut text, result, kind);
+            text += &markdown_table(&result.methods, kind);
         }
     }
     hazards(&mut text, result);
@@ -111,18 +111,20 @@ fn reference(scores: &Scores) -> String {
     sizes.collect::<Vec<_>>().join(", ")
 }
 
-/// One row per method that was scored, with the scores that have a heading.
-fn table(text: &mut String, result: &RunResult, kind: LayerKind) {
-    let Some(scores) = any_scores(result, kind) else { return };
+/// The scores of one kind of layer as a Markdown table: a row per method that was scored. Empty without any.
+pub fn markdown_table(methods: &[MethodResult], kind: LayerKind) -> String {
+    let mut text = String::new();
+    let Some(scores) = methods.iter().find_map(|method| method.scores_of(kind)) else { return text };
     let headings: Vec<String> = columns(scores).filter_map(Score::heading).collect();
     let _ = writeln!(text, "| method | {} |", headings.join(" | "));
     let _ = writeln!(text, "|{}", " --- |".repeat(headings.len() + 1));
-    for method in &result.methods {
+    for method in methods {
         if let Some(scores) = method.scores_of(kind) {
             let cells: Vec<String> = columns(scores).map(Score::shown).collect();
             let _ = writeln!(text, "| {} | {} |", method.method, cells.join(" | "));
         }
     }
+    text
 }
 
 /// The scores of a table: all with a heading but the sizes of the reference.
