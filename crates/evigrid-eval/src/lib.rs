@@ -26,6 +26,7 @@ pub use clock::{Clock, RealClock};
 pub use colours::turbo;
 pub use config::{Config, ConfigError, InputSettings, OutputSettings, RunSettings, ScoreSettings};
 pub use frame_range::FrameRange;
+pub use match_source::MatchSource;
 pub use memory::peak_memory_mib;
 pub use observer::{LazyModel, MethodStep, Observer, Step};
 pub use plan::{Plan, RunJob};

@@ -9,7 +9,7 @@ use crate::Config;
 
 /// Computes or reads the matches of a frame, which all methods share.
 #[derive(Debug)]
-pub(crate) struct MatchSource {
+pub struct MatchSource {
     origin: Origin,
     /// Buffers of the frame before.
     recycled: Option<Matching>,

@@ -25,7 +25,7 @@ mod voxel_map;
 
 pub use columns::{Column, Columns};
 pub use labels::label_columns;
-pub use method::{SafetyMapping, SafetyMappingPlus};
+pub use method::{SafetyMapping, SafetyMappingPlus, Stage};
 pub use model::Model;
 pub use outliers::Readings;
 pub use robot::Robot;

@@ -10,6 +10,19 @@ use crate::outliers::Readings;
 use crate::robot::Robot;
 use crate::settings::{FloorPlace, SafetyMapPlusSettings, SafetyMapSettings};
 
+/// A stage of a frame, in their order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Readings are believed, and outliers among them removed (section III).
+    Outliers,
+    /// Evidence and points are added to the 3-D model (section IV).
+    Model,
+    /// Heights of the columns, and sums of their points (section V).
+    Columns,
+    /// Segments, planes and labels (sections V and VI).
+    Labels,
+}
+
 /// The mapper of Murarka and Kuipers 2009.
 #[derive(Debug)]
 pub struct SafetyMapping {
@@ -57,6 +70,47 @@ impl SafetyMapping {
         self.model.as_ref()
     }
 
+    /// Integrates a frame as [`Mapper::integrate`] does, and tells when each of its stages is done. A frame of a
+    /// standing robot is dropped, and has none.
+    ///
+    /// # Errors
+    /// If the view does not tell how the camera stands over the ground.
+    pub fn integrate_by_stages(
+        &mut self,
+        view: &View<'_>,
+        done: &mut dyn FnMut(Stage),
+    ) -> Result<(), MapError> {
+        let robot = Robot::below(view.map_from_left, MapError::mounting(view)?);
+        if !self.has_moved(view.map_from_left) {
+            return Ok(());
+        }
+        (self.last_pose, self.robot) = (Some(*view.map_from_left), Some(robot));
+        let first = *self.first.get_or_insert(robot);
+        let placed = self.placed_grid(first.floor_m);
+        let settings = self.settings;
+        let model = self.model.get_or_insert_with(|| Model::new(placed, settings));
+        if settings.scroll {
+            model.scroll(voxels_moved(&placed, model.spec(), &first, &robot));
+        }
+        // III: range readings without those that differ much from their neighbours.
+        let filter = MatchFilter::new(view.matches, &settings.match_limits());
+        let (width, height, limit_px) = (view.rig.width, view.rig.height, settings.neighbour_difference_px);
+        let readings = self.readings.fill(&filter, width, height, limit_px);
+        done(Stage::Outliers);
+        // IV: evidence of voxels, and their points.
+        model.update(view.rig, view.map_from_left, readings);
+        done(Stage::Model);
+        // V and VI: columns, segments, planes, labels.
+        model.columns(&robot, &mut self.columns);
+        done(Stage::Columns);
+        let model: &Model = model;
+        let floor_layer = floor_layer(model.spec(), robot.floor_m);
+        let is_free = |column, height_m| model.is_free(column, height_m);
+        self.map = label_columns(&self.columns, &robot, floor_layer, &settings, &is_free);
+        done(Stage::Labels);
+        Ok(())
+    }
+
     /// Whether the robot has moved since the last frame that was used.
     fn has_moved(&self, pose: &Pose) -> bool {
         self.last_pose.is_none_or(|last| {
@@ -84,31 +138,7 @@ fn floor_offset_m(spec: &GridSpec, floor_m: f64) -> f64 {
 
 impl Mapper for SafetyMapping {
     fn integrate(&mut self, view: &View<'_>) -> Result<(), MapError> {
-        let robot = Robot::below(view.map_from_left, MapError::mounting(view)?);
-        if !self.has_moved(view.map_from_left) {
-            return Ok(());
-        }
-        (self.last_pose, self.robot) = (Some(*view.map_from_left), Some(robot));
-        let first = *self.first.get_or_insert(robot);
-        let placed = self.placed_grid(first.floor_m);
-        let settings = self.settings;
-        let model = self.model.get_or_insert_with(|| Model::new(placed, settings));
-        if settings.scroll {
-            model.scroll(voxels_moved(&placed, model.spec(), &first, &robot));
-        }
-        // III: range readings without those that differ much from their neighbours.
-        let filter = MatchFilter::new(view.matches, &settings.match_limits());
-        let (width, height, limit_px) = (view.rig.width, view.rig.height, settings.neighbour_difference_px);
-        let readings = self.readings.fill(&filter, width, height, limit_px);
-        // IV: evidence of voxels, and their points.
-        model.update(view.rig, view.map_from_left, readings);
-        // V and VI: columns, segments, planes, labels.
-        model.columns(&robot, &mut self.columns);
-        let model: &Model = model;
-        let floor_layer = floor_layer(model.spec(), robot.floor_m);
-        let is_free = |column, height_m| model.is_free(column, height_m);
-        self.map = label_columns(&self.columns, &robot, floor_layer, &settings, &is_free);
-        Ok(())
+        self.integrate_by_stages(view, &mut |_| {})
     }
 
     fn layers(&self) -> Vec<Layer<'_>> {

@@ -2,8 +2,12 @@
 //! Drop-offs, and Obstacles for Safe Local Navigation" (2009), on worlds made after its descriptions: its own
 //! recordings are lost.
 
+mod board;
 mod fig6a;
+mod fig6b;
 mod hazards;
+mod latency;
+mod mapping;
 mod places;
 mod published;
 mod runs;
@@ -20,6 +24,7 @@ pub const GROUP: Group = Group {
     items: Items::Listed(&[
         ("table2", table2::make),
         ("fig6a", fig6a::make),
+        ("fig6b", fig6b::make),
         ("hazards", hazards::make),
         ("places", places::make),
         ("steps", steps::make),

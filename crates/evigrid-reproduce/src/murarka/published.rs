@@ -19,3 +19,14 @@ pub const TABLE_2: [Column; 3] = [
 
 /// Section VII-C: mean angle in degrees and mean distance in centimetres of all safe planes.
 pub const PLANES: [f64; 2] = [1.2, 1.9];
+
+/// Section VII-B: half of a board, textured or not, is in the grid within so many frames ...
+pub const LATENCY_FRAMES: usize = 8;
+/// ... from so many metres and nearer.
+pub const LATENCY_WITHIN_M: f64 = 5.0;
+/// Section VII-B: between these distances, metres, the frames to 90 % of a board jump.
+pub const LATENCY_JUMP_M: [f64; 2] = [4.0, 5.0];
+
+/// Section VII-D, milliseconds per frame: the model; segmentation, planes and safety together.
+pub const MODEL_MS: f64 = 92.0;
+pub const LABELS_MS: f64 = 4.0 + 61.0 + 71.0;
