@@ -8,6 +8,7 @@ use crate::labels::label_columns;
 use crate::model::{Model, floor_layer};
 use crate::outliers::Readings;
 use crate::robot::Robot;
+use crate::segments::Segments;
 use crate::settings::{FloorPlace, SafetyMapPlusSettings, SafetyMapSettings};
 
 /// The mapper of Murarka and Kuipers 2009.
@@ -55,6 +56,18 @@ impl SafetyMapping {
     /// The 3-D model so far; `None` before the first frame.
     pub fn model(&self) -> Option<&Model> {
         self.model.as_ref()
+    }
+
+    /// The height map behind the safety map.
+    pub fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    /// The segments of ground behind the safety map, found once more; `None` before the first frame.
+    pub fn segments(&self) -> Option<Segments> {
+        let (model, robot) = (self.model.as_ref()?, self.robot?);
+        let floor_layer = floor_layer(model.spec(), robot.floor_m);
+        Some(Segments::find(&self.columns, &robot, floor_layer, &self.settings))
     }
 
     /// Whether the robot has moved since the last frame that was used.

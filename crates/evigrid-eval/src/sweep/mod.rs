@@ -43,7 +43,7 @@ use point_folder::PointFolders;
 use report::Report;
 
 pub use plan::{Sweep, SweepPlan};
-pub use together::{Mapped, map_together};
+pub use together::{Followed, Mapped, follow_together, map_together};
 
 /// How far a sweep is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,6 +5,7 @@ use evigrid_results::{MethodMaps, RunResult};
 use rayon::prelude::*;
 
 use super::point::Point;
+use super::together::Followed;
 use crate::pass::{Entrant, Order, Pass, groups};
 use crate::{Clock, Recording, Truth};
 
@@ -68,5 +69,24 @@ pub(super) fn run_pass(
         let maps = pass.maps(number);
         let run = pass.run_result(number, vec![pass.method_result(number, &maps.layers)]);
         write(&PointResult { point: points[number], run, maps, truth: pass.truth(number) })
+    })
+}
+
+/// Maps all frames for all points and shows every map after every frame: `follow` gets the number of the point.
+///
+/// # Errors
+/// If a frame cannot be read or mapped, or `follow` fails.
+pub(super) fn follow_pass(
+    recording: &Recording,
+    points: &[&Point],
+    clock: &dyn Clock,
+    follow: &mut dyn FnMut(usize, &Followed<'_>) -> Result<()>,
+) -> Result<()> {
+    let mut pass = Pass::new(recording, points.iter().map(|point| point.entrant()).collect())?;
+    pass.drive(recording, clock, Order::SideBySide, &mut |pass, moment| {
+        (0..pass.len()).try_for_each(|number| {
+            let (layers, truth) = (pass.layers(number), pass.truth(number));
+            follow(number, &Followed { frame: moment.frame, layers: &layers, truth })
+        })
     })
 }

@@ -3,10 +3,11 @@
 use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Context, Result};
+use evigrid_core::Frame;
 use evigrid_grid::{Layer, LogOddsGrid};
 use evigrid_results::{MethodResult, RunInfo};
 
-use super::passes::{PointResult, run_pass, split_into_passes};
+use super::passes::{PointResult, follow_pass, run_pass, split_into_passes};
 use super::point::Point;
 use crate::{Clock, Config, Recording, Truth};
 
@@ -69,6 +70,38 @@ pub fn map_together<T: Send>(
     seen.into_iter().map(|value| value.context("a point was left out of all passes")).collect()
 }
 
+/// One of many maps after a frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Followed<'a> {
+    /// The frame.
+    pub frame: &'a Frame,
+    /// Its layers so far.
+    pub layers: &'a [Layer<'a>],
+    /// The truth so far.
+    pub truth: &'a Truth,
+}
+
+/// As [`map_together`], for whoever wants to see every map after every frame: `follow` gets the position of its
+/// settings in `configs`.
+///
+/// # Errors
+/// As [`map_together`], or if `follow` fails.
+pub fn follow_together(
+    recording: &Recording,
+    configs: Vec<Config>,
+    clock: &dyn Clock,
+    follow: &mut dyn FnMut(usize, &Followed<'_>) -> Result<()>,
+) -> Result<()> {
+    let points: Result<Vec<Point>> = configs.into_iter().map(|c| Point::of_run(c, recording)).collect();
+    let points = points?;
+    for pass in split_into_passes(points.iter().collect()) {
+        let numbers: Vec<usize> =
+            pass.iter().filter_map(|&own| points.iter().position(|p| std::ptr::eq(p, own))).collect();
+        follow_pass(recording, &pass, clock, &mut |number, seen| follow(numbers[number], seen))?;
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -119,6 +152,27 @@ mod tests {
             evaluate(&Plan::new(config).unwrap(), &clock, &folder, &mut [&mut single]).unwrap();
             assert!(single.0 == together);
         }
+    }
+
+    /// After the last frame, what is followed is what is complete.
+    #[test]
+    fn every_map_is_followed_by_the_number_of_its_settings() {
+        let configs = || {
+            let checked = config("winner-take-all", "stereo.window=9");
+            vec![config("cost-curve", "run.stride=1"), checked, config("cost-curve", "stereo.window=9")]
+        };
+        let (recording, clock) = (Recording::open("synth:street").unwrap(), RealClock::default());
+        let look = |mapped: &Mapped<'_>| Ok(bits(mapped.voxels()?));
+        let complete = map_together(&recording, configs(), &clock, &look, &mut || {}).unwrap();
+        let (mut last, mut frames) = (vec![Vec::new(); 3], vec![Vec::new(); 3]);
+        follow_together(&recording, configs(), &clock, &mut |number, seen: &Followed<'_>| {
+            frames[number].push(seen.frame.index());
+            last[number] = bits(seen.layers[0].voxels().unwrap());
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!(frames, [[0, 1], [0, 1], [0, 1]]);
+        assert!(last == complete && last[0] != last[1] && last[1] != last[2]);
     }
 
     #[test]

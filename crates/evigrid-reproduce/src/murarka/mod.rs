@@ -2,9 +2,17 @@
 //! Drop-offs, and Obstacles for Safe Local Navigation" (2009), on worlds made after its descriptions: its own
 //! recordings are lost.
 
+mod drive;
+mod fig2;
+mod fig3;
+mod fig4;
 mod fig6a;
+mod fig7;
 mod hazards;
+mod journeys;
 mod places;
+mod plan_view;
+mod planes;
 mod published;
 mod runs;
 mod shift;
@@ -18,11 +26,17 @@ use crate::{Group, Items};
 pub const GROUP: Group = Group {
     name: "murarka",
     items: Items::Listed(&[
+        ("fig2", fig2::make),
+        ("fig3", fig3::make),
+        ("fig4", fig4::make),
         ("table2", table2::make),
         ("fig6a", fig6a::make),
         ("hazards", hazards::make),
         ("places", places::make),
         ("steps", steps::make),
         ("shift", shift::make),
+        // Makes whole drives, of which fig7 shows a frame.
+        ("planes", planes::make),
+        ("fig7", fig7::make),
     ]),
 };

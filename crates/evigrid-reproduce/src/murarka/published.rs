@@ -17,5 +17,5 @@ pub const TABLE_2: [Column; 3] = [
     Column { decrement: 5, false_negative: [11.2, 7.3], false_positive: [5.2, 2.4] },
 ];
 
-/// Section VII-C: mean angle in degrees and mean distance in centimetres of all safe planes.
-pub const PLANES: [f64; 2] = [1.2, 1.9];
+/// Section VII-C: mean and deviation of the angle in degrees and of the distance in centimetres of all safe planes.
+pub const PLANES: [[f64; 2]; 2] = [[1.2, 0.5], [1.9, 0.8]];
