@@ -118,7 +118,7 @@ pub struct ScoreArgs {
     pub map: PathBuf,
     /// True safety labels for a map of such labels: truth.safety.npz of a run, or safety_map.png of a written
     /// world. No recording is needed then; every cell that the truth knows counts.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["dataset", "frames", "stride", "config", "set"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["dataset", "frames", "stride", "config", "sets"])]
     pub truth: Option<PathBuf>,
     #[command(flatten)]
     pub input: InputArgs,

@@ -10,6 +10,7 @@
 mod beyond;
 mod columns;
 mod edges;
+mod evidence;
 mod labels;
 mod merge;
 mod method;

@@ -1,10 +1,11 @@
 //! The 3-D model: evidence of every voxel and the points that fell in it (section IV).
 
 use evigrid_core::{Pose, StereoRig};
-use evigrid_grid::{GridSpec, Moments, RayWalk, ViewRays, cell_index};
+use evigrid_grid::{GridSpec, Moments, ViewRays, cell_index};
 
 use crate::columns::{Column, Columns};
-use crate::points::{PointSelection, RangePoint, voxel_behind};
+use crate::evidence::Evidence;
+use crate::points::{PointSelection, RangePoint};
 use crate::robot::Robot;
 use crate::settings::SafetyMapSettings;
 
@@ -25,8 +26,7 @@ pub struct Model {
     first: GridSpec,
     moved: [i64; 3],
     spec: GridSpec,
-    /// Evidence of each voxel (LOP), 0 at first.
-    evidence: Vec<i32>,
+    evidence: Evidence,
     /// For each voxel the place of its list among the lists, plus 1; 0: it has none.
     list_of: Vec<u32>,
     lists: Vec<Vec<StoredPoint>>,
@@ -44,7 +44,7 @@ impl Model {
             first: spec,
             moved: [0; 3],
             spec,
-            evidence: vec![0; voxels],
+            evidence: Evidence::new(voxels),
             list_of: vec![0; voxels],
             lists: Vec::new(),
             spare: Vec::new(),
@@ -59,19 +59,19 @@ impl Model {
 
     /// Evidence of each voxel by flat index.
     pub fn evidence(&self) -> &[i32] {
-        &self.evidence
+        self.evidence.of_voxel()
     }
 
     /// Whether a voxel is occupied.
     pub fn is_occupied(&self, flat: usize) -> bool {
-        self.evidence[flat] >= self.settings.occupied_at
+        self.evidence()[flat] >= self.settings.occupied_at
     }
 
     /// Whether a column was seen through at a height in the map frame, metres: the evidence against its voxel
     /// there is at least `hole_at`.
     pub fn is_free(&self, column: usize, height_m: f64) -> bool {
         let layer = layer_at(&self.spec, height_m);
-        layer.is_some_and(|w| self.evidence[column * self.spec.shape()[2] + w] <= -self.settings.hole_at)
+        layer.is_some_and(|w| self.evidence()[column * self.spec.shape()[2] + w] <= -self.settings.hole_at)
     }
 
     /// The points of a voxel in the map frame, metres, those seen from nearest first.
@@ -96,10 +96,9 @@ impl Model {
         let spec = self.spec;
         let rays = self.rays(&spec, rig, map_from_left);
         let mut selection = std::mem::replace(&mut self.selection, PointSelection::new(0));
-        for point in selection.select(&rays, disparities, self.settings.min_disparity_px) {
-            self.add_evidence(rays.origin, point);
-            self.keep(point);
-        }
+        let points = selection.select(&rays, disparities, self.settings.min_disparity_px);
+        self.evidence.add(&spec, rays.origin, points, &self.settings);
+        points.iter().for_each(|point| self.keep(point));
         self.selection = selection;
     }
 
@@ -111,23 +110,6 @@ impl Model {
         rays.origin = [0, 1, 2].map(|a| origin[a] - self.moved[a] as f64);
         rays.origin_cell = rays.origin.map(cell_index);
         rays
-    }
-
-    /// Evidence of one point: for its voxel and the voxels before and behind it, against all others up to the
-    /// camera.
-    fn add_evidence(&mut self, camera: [f64; 3], point: &RangePoint) {
-        let s = &self.settings;
-        // However long the robot drives and whatever the settings are, evidence stops at the ends of its type.
-        let add = |evidence: &mut i32, amount: i32| *evidence = evidence.saturating_add(amount);
-        add(&mut self.evidence[point.voxel as usize], s.increment_hit);
-        let mut towards_camera = RayWalk::in_cells(&self.spec, point.at, camera).skip(1);
-        if let Some((fore, _)) = towards_camera.next() {
-            add(&mut self.evidence[fore], s.increment_beside);
-        }
-        towards_camera.for_each(|(flat, _)| add(&mut self.evidence[flat], -s.decrement));
-        if let Some(aft) = voxel_behind(&self.spec, camera, point.at) {
-            add(&mut self.evidence[aft], s.increment_beside);
-        }
     }
 
     /// Puts a point into the list of its voxel.
@@ -161,12 +143,12 @@ impl Model {
         if voxels == [0; 3] {
             return;
         }
-        let (mut evidence, mut list_of) = (vec![0; self.evidence.len()], vec![0; self.list_of.len()]);
-        for flat in 0..self.evidence.len() {
+        let (mut evidence, mut list_of) = (vec![0; self.evidence().len()], vec![0; self.list_of.len()]);
+        for flat in 0..self.evidence().len() {
             let cell = self.spec.voxel(flat);
             let new: [i64; 3] = std::array::from_fn(|a| cell[a] as i64 - voxels[a]);
             match self.spec.flat(new) {
-                Some(to) => (evidence[to], list_of[to]) = (self.evidence[flat], self.list_of[flat]),
+                Some(to) => (evidence[to], list_of[to]) = (self.evidence()[flat], self.list_of[flat]),
                 None if self.list_of[flat] != 0 => {
                     let list = self.list_of[flat] - 1;
                     self.lists[list as usize].clear();
@@ -175,7 +157,8 @@ impl Model {
                 None => {}
             }
         }
-        (self.evidence, self.list_of) = (evidence, list_of);
+        self.evidence.replace(evidence);
+        self.list_of = list_of;
         self.moved = [0, 1, 2].map(|a| self.moved[a] + voxels[a]);
         self.spec = self.first.moved(self.moved);
     }
@@ -185,7 +168,7 @@ impl Model {
         if !self.settings.weigh_points {
             return 1.0;
         }
-        f64::from(self.evidence[flat]) / f64::from(self.settings.occupied_at.max(1))
+        f64::from(self.evidence()[flat]) / f64::from(self.settings.occupied_at.max(1))
     }
 
     /// The columns within the planning radius: the height of each, and its points up to that height.

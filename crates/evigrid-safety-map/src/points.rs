@@ -85,7 +85,7 @@ struct RowOfPoints<'a> {
     /// Depth times disparity, b f.
     depth_disparity: f64,
     min_disparity_px: f64,
-    shape: [i32; 3],
+    shape: [f64; 3],
 }
 
 impl<'a> RowOfPoints<'a> {
@@ -95,7 +95,7 @@ impl<'a> RowOfPoints<'a> {
             first: rays.direction(0.0, y as f64),
             depth_disparity: rays.rig.depth_m(1.0),
             min_disparity_px,
-            shape: rays.spec.shape().map(|n| n as i32),
+            shape: rays.spec.shape().map(|n| n as f64),
         }
     }
 
@@ -110,17 +110,25 @@ impl<'a> RowOfPoints<'a> {
     }
 }
 
-/// Flat index of the voxel of each pixel's point, or [`NONE`].
+/// Flat index of the voxel of each pixel's point, or [`NONE`]. Vector code turns f64 into integers one by one, so
+/// all is done in f64, which holds every index exactly.
 #[multiversion(targets("x86_64+avx2"))]
 fn voxels_of_row(row: &RowOfPoints<'_>, disparities: &[f32], voxels: &mut [i32]) {
     let [nx, ny, nz] = row.shape;
     for (x, (voxel, &disparity)) in voxels.iter_mut().zip(disparities).enumerate() {
         let near = f64::from(disparity) >= row.min_disparity_px;
-        let [u, v, w] = row.point(x, if near { disparity } else { 1.0 }).map(|at| at.floor() as i32);
-        let inside = near & (u >= 0) & (u < nx) & (v >= 0) & (v < ny) & (w >= 0) & (w < nz);
-        let flat = u.wrapping_mul(ny).wrapping_add(v).wrapping_mul(nz).wrapping_add(w);
-        *voxel = if inside { flat } else { NONE };
+        let [u, v, w] = row.point(x, if near { disparity } else { 1.0 });
+        let inside = near & (u >= 0.0) & (u < nx) & (v >= 0.0) & (v < ny) & (w >= 0.0) & (w < nz);
+        let flat = (u.floor() * ny + v.floor()) * nz + w.floor();
+        *voxel = whole(if inside { flat } else { f64::from(NONE) });
     }
+}
+
+/// A whole number within the range of i32 as an integer: added to this constant, it is in the last bits of the sum.
+#[inline(always)]
+fn whole(number: f64) -> i32 {
+    const LAST_BITS: f64 = 1.5 * (1_u64 << 52) as f64;
+    (number + LAST_BITS).to_bits() as i32
 }
 
 /// Flat index of the voxel that a ray comes to behind a point; `None` outside of the grid.
@@ -141,4 +149,16 @@ pub(crate) fn voxel_behind(spec: &GridSpec, origin: [f64; 3], at: [f64; 3]) -> O
     let mut behind = cell;
     behind[axis] += if at[axis] > origin[axis] { 1 } else { -1 };
     if after.is_finite() { spec.flat(behind) } else { None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_numbers_of_the_range_of_indices() {
+        for n in [-1, 0, 1, 2, 299_999, (1 << 29) - 1, i32::MAX, i32::MIN] {
+            assert_eq!(whole(f64::from(n)), n);
+        }
+    }
 }

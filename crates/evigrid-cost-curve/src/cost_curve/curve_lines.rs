@@ -1,11 +1,10 @@
 //! Drawing profiles along disparity hypotheses into the cells of each pixel's ray.
 
-use evigrid_grid::{FrameEvidence, RayWalk, cell_index};
+use evigrid_grid::{FrameEvidence, RayBatch, RayWalk, cell_index};
 use multiversion::multiversion;
 
 use super::curve_block::{CurveBlock, LANES};
 use super::frame_curves::FrameCurves;
-use super::ray_batch::RayBatch;
 use crate::free_space::NO_REACH;
 
 /// Rays that are walked side by side.

@@ -7,7 +7,6 @@ mod curve_cells;
 mod curve_lines;
 mod frame_curves;
 mod mapper;
-mod ray_batch;
 mod settings;
 pub mod whole_curve;
 

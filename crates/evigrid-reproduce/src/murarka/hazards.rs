@@ -109,7 +109,8 @@ fn panel(matcher: &str, of_methods: &[Vec<&AreaTally>]) -> Panel {
         x: Axis::new("cells that are right when the robot is nearest (%)", 0.0, 100.0),
         y: Axis {
             label: String::new(),
-            range: [-0.7, kinds.len() as f64 - 0.3],
+            // Room for the legend above the last kind.
+            range: [-0.7, kinds.len() as f64 + 2.0],
             names: kinds.iter().map(|kind| (*kind).to_owned()).collect(),
         },
         series,
@@ -125,7 +126,7 @@ fn sheet(panels: Vec<Panel>) -> Sheet {
             "cells within the planning radius of 4 m, those that the camera has not seen included".into(),
         ],
         columns: 1,
-        panel: (900, 380),
+        panel: (900, 420),
         panels,
     }
 }

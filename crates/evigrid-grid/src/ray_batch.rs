@@ -1,11 +1,9 @@
-//! Several ray walks at once.
-
-use evigrid_grid::RayWalk;
+use crate::RayWalk;
 
 /// `N` ray walks side by side, so that vector code takes their steps together. They visit the cells that the
 /// walks would visit one by one.
 #[derive(Debug, Clone)]
-pub(crate) struct RayBatch<const N: usize> {
+pub struct RayBatch<const N: usize> {
     flat: [i64; N],
     cells: [u32; N],
     leave_grid: [f64; N],
@@ -29,7 +27,10 @@ impl<const N: usize> Default for RayBatch<N> {
 }
 
 impl<const N: usize> RayBatch<N> {
-    /// Puts a walk that has not begun into a place.
+    /// Puts what is left of a walk into a place.
+    ///
+    /// # Panics
+    /// If there is no such place.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, walk: &RayWalk) {
         self.flat[lane] = walk.flat() as i64;
@@ -42,7 +43,7 @@ impl<const N: usize> RayBatch<N> {
         }
     }
 
-    /// How many cells each walk visits.
+    /// How many cells each walk visits, from where it was put in.
     pub fn cells(&self) -> &[u32; N] {
         &self.cells
     }
@@ -87,7 +88,7 @@ fn mask(condition: bool) -> u64 {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use evigrid_grid::{GridSettings, GridSpec};
+    use crate::{GridSettings, GridSpec};
     use proptest::prelude::*;
 
     fn anywhere() -> impl Strategy<Value = [f64; 3]> {
