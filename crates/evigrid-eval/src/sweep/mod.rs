@@ -101,8 +101,9 @@ pub fn run_sweep(
             let (dataset, frames) = (info.dataset.as_str(), info.frames.len());
             progress(SweepStep::Pass { dataset, points: points.len(), frames });
             let write = |result: &PointResult<'_>| folders.write(result);
-            run_pass(&data.recording, &points, clock, &write, &mut |done| {
-                progress(SweepStep::Frame(done));
+            run_pass(&data.recording, &points, clock, &write, &mut |_, moment| {
+                progress(SweepStep::Frame(moment.position + 1));
+                Ok(())
             })?;
         }
     }

@@ -14,6 +14,8 @@ use crate::table::rounded;
 
 /// Heights that are told apart, metres.
 const HEIGHTS: Heights = Heights([-0.6, 1.2]);
+/// Width over height of what a panel of [`PANEL`] shows, without axes and title.
+const IMAGE_SHAPE: f64 = 341.0 / 265.0;
 /// Disparity that is drawn brightest, pixels.
 const MOST_PX: f64 = 48.0;
 
@@ -89,8 +91,17 @@ fn panels_of(sight: &Sight<'_>, heights_m: &[Option<f64>]) -> Result<[Panel; 3]>
     let mut series =
         patches(&plan).shaded(|i, j| heights_m[i * ny + j].map(|h| HEIGHTS.share(h)), height_colour);
     series.extend(robot_series(&sight.robot));
-    let model = panel(format!("3-D model after {} frames", number + 1), &plan, series);
+    let model = widened(panel(format!("3-D model after {} frames", number + 1), &plan, series));
     Ok([left, disparity, model])
+}
+
+/// A panel of a square map with room on its sides, so that a metre is as long along both axes in a panel that has
+/// the shape of an image.
+fn widened(mut panel: Panel) -> Panel {
+    let [from, to] = panel.x.range;
+    let room = 0.5 * (IMAGE_SHAPE - 1.0) * (to - from);
+    panel.x.range = [from - room, to + room];
+    panel
 }
 
 #[cfg(test)]

@@ -7,9 +7,9 @@ use evigrid_metrics::{PlanningDisc, SafetyCounts};
 use plotters::prelude::RGBColor;
 
 use super::journeys::{SHOWN, entries, up_to_shown};
-use super::plan_view::{PANEL, label_series, panel, patches, robot_series};
+use super::plan_view::{PANEL, label_key, label_series, panel, patches, robot_series};
 use super::worlds::Entry;
-use crate::chart::{BLUE, Key, Marks, ORANGE, Panel, Series, Sheet};
+use crate::chart::{Key, Marks, Panel, Series, Sheet};
 use crate::job::Job;
 use crate::journey::{Journey, Shown};
 
@@ -43,13 +43,13 @@ impl Verdict {
         }
     }
 
-    /// Right cells are grey, wrong ones strong.
+    /// Right cells are grey; none has the colour of a label.
     fn colour(self) -> RGBColor {
         match self {
             Self::TruePositive => RGBColor(150, 150, 150),
-            Self::TrueNegative => RGBColor(222, 222, 222),
-            Self::FalseNegative => ORANGE,
-            Self::FalsePositive => BLUE,
+            Self::TrueNegative => RGBColor(226, 226, 226),
+            Self::FalseNegative => RGBColor(214, 0, 110),
+            Self::FalsePositive => RGBColor(40, 20, 60),
             Self::Unclassified => RGBColor(255, 236, 160),
         }
     }
@@ -98,15 +98,16 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
         "unclassified_safe",
     ];
     job.write_table(&header, rows)?;
-    let key: Vec<Key> = Verdict::ALL.map(|v| (v.meaning().to_owned(), v.colour())).into();
+    let verdicts = Verdict::ALL.map(|v| (v.meaning().to_owned(), v.colour()));
+    let key: Vec<Key> = label_key().into_iter().chain(verdicts).collect();
     let sheet = Sheet {
         title: "Safety maps while they are made, against the truth (Murarka and Kuipers 2009, Fig. 7)".into(),
         notes: vec![
             "one frame of each world; counted are the cells within 4 m of the robot (circle; the triangle \
              looks where the robot looks)"
                 .into(),
-            "first two columns: blue is safe and level, light blue safe and inclined, orange unsafe, grey \
-             unknown, white not examined; the key is that of the other columns"
+            "titles: TP unsafe cells found, FN unsafe ones called safe, FP safe ones called unsafe, none: cells \
+             without a label in the map; inside of circles white is where the truth has no label"
                 .into(),
         ],
         columns: 2 + COLUMNS.len(),
@@ -171,10 +172,10 @@ fn error_panel(name: &str, shown: &Shown) -> Panel {
     panel(format!("{name}: {}", summary(&shown.case.strict)), shown.truth.spec(), series)
 }
 
-/// The rates of one map: of the unsafe cells that it classifies those called safe, and the other way round.
+/// The counts of one map.
 fn summary(counts: &SafetyCounts) -> String {
-    let (missed, alarms) = (counts.false_negatives, counts.false_positives);
-    format!("FN {missed}, FP {alarms}, none {}", counts.unclassified())
+    let (hits, missed, alarms) = (counts.true_positives, counts.false_negatives, counts.false_positives);
+    format!("TP {hits}, FN {missed}, FP {alarms}, none {}", counts.unclassified())
 }
 
 /// What a map says of each cell of the truth within a disc; `None` where the truth says nothing.
@@ -231,7 +232,7 @@ mod tests {
                 counts.unclassified(),
             ]
         );
-        assert_eq!(summary(&counts), "FN 1, FP 1, none 2");
+        assert_eq!(summary(&counts), "TP 1, FN 1, FP 1, none 2");
         assert_eq!(row("w", 3, &Entry::plain("exact", "m"), &counts)[4..], ["1", "1", "1", "1", "1", "1"]);
     }
 }

@@ -1,8 +1,10 @@
 //! Maps of the five worlds followed frame by frame, for the items that ask more of them than sums at the end.
 
 use anyhow::{Context, Result};
-use evigrid_eval::{Config, Followed, Recording, follow_together};
+use evigrid_core::Mounting;
+use evigrid_eval::{Config, Followed, Mapped, Recording, follow_together};
 use evigrid_grid::Layer;
+use evigrid_results::MethodResult;
 use evigrid_synth::World;
 
 use super::worlds::{Entry, MATCHERS};
@@ -21,50 +23,68 @@ pub fn entries() -> Vec<Entry> {
     MATCHERS.into_iter().flat_map(of_matcher).collect()
 }
 
-/// The journeys of [`entries`] through a world, over all its frames.
+/// The journeys of [`entries`] through a world, over all its frames, unless an item of the same command has made
+/// them.
 pub fn whole(job: &mut Job<'_, '_>, world: &str) -> Result<Vec<Journey>> {
+    if !job.journeys.contains_key(world) {
+        follow(job, world, &entries(), None)?;
+    }
+    Ok(job.journeys[world].clone())
+}
+
+/// The same at least up to the frame that is shown.
+pub fn up_to_shown(job: &mut Job<'_, '_>, world: &str, shown: usize) -> Result<Vec<Journey>> {
     if let Some(known) = job.journeys.get(world) {
         return Ok(known.clone());
     }
-    let made = follow(job, world, None)?;
-    job.journeys.insert(world.to_owned(), made.clone());
-    Ok(made)
+    follow(job, world, &entries(), Some(shown))?;
+    Ok(job.journeys.remove(world).unwrap_or_default())
 }
 
-/// The same up to the frame that is shown, unless an item of the same command has made the whole.
-pub fn up_to_shown(job: &mut Job<'_, '_>, world: &str, shown: usize) -> Result<Vec<Journey>> {
-    match job.journeys.get(world) {
-        Some(known) => Ok(known.clone()),
-        None => follow(job, world, Some(shown)),
-    }
-}
-
-fn follow(job: &mut Job<'_, '_>, name: &str, last: Option<usize>) -> Result<Vec<Journey>> {
+/// Makes maps of a world in one pass, over its frames or up to one of them. Returned is what was counted over the
+/// frames, one result per map; the journeys of those maps that are [`entries`] are kept with the job.
+pub fn follow(
+    job: &mut Job<'_, '_>,
+    name: &str,
+    maps: &[Entry],
+    last: Option<usize>,
+) -> Result<Vec<MethodResult>> {
     let world = World::builtin(name)?;
     let frames = last.map_or(world.frame_count(), |last| last + 1);
     job.say(&format!("synth:{name}, {frames} frames"));
-    let configs: Result<Vec<Config>> = entries().iter().map(|entry| entry.config(&world)).collect();
+    let configs: Result<Vec<Config>> = maps.iter().map(|entry| entry.config(&world)).collect();
     let mut configs = configs?;
     configs.iter_mut().for_each(|config| config.run.frames = format!("0..{frames}"));
-    let shown = SHOWN.iter().find(|(known, _)| *known == name).map(|&(_, frame)| frame);
+    let kept = entries();
+    let place = |entry: &Entry| kept.iter().position(|own| own == entry);
+    let places: Vec<Option<usize>> = maps.iter().map(place).collect();
+    let shown = SHOWN.iter().find(|(known, _)| *known == name).map_or(0, |&(_, frame)| frame);
     let recording = Recording::from(world);
     let mounting = recording.sequence().info().mounting;
     let mounting = mounting.with_context(|| format!("{name} does not stand on the ground"))?;
-    let mut journeys = vec![Journey::default(); configs.len()];
-    follow_together(&recording, configs, job.tools.clock, &mut |number, seen: &Followed<'_>| {
+    let mut journeys = vec![Journey::default(); kept.len()];
+    let look = |mapped: &Mapped<'_>| Ok(mapped.result.clone());
+    let results = follow_together(&recording, configs, job.tools.clock, &look, &mut |number, seen| {
+        places[number].map_or(Ok(()), |place| journeys[place].add(seen, mounting, shown))
+    })?;
+    job.journeys.insert(name.to_owned(), journeys);
+    Ok(results)
+}
+
+impl Journey {
+    /// Adds the map after a frame. Up to the frame that is shown the latest map is kept: if the robot stands still
+    /// in that frame itself, it is the one before.
+    fn add(&mut self, seen: &Followed<'_>, mounting: Mounting, shown: usize) -> Result<()> {
         let map = seen.layers.iter().find_map(Layer::safety).context("a method without a safety map")?;
         let truth = seen.truth.safety().context("a world without a true safety map")?;
         let Some(case) = seen.truth.safety_case(map) else { return Ok(()) };
-        journeys[number].cases.push((seen.frame.index(), case));
-        // If the robot stands still in the frame itself, its last map before is shown.
-        if shown.is_some_and(|shown| seen.frame.index() <= shown) {
+        self.cases.push((seen.frame.index(), case));
+        if seen.frame.index() <= shown {
             let robot = RobotAt::of(seen.frame, mounting);
-            let (map, truth) = (map.clone(), truth.clone());
-            journeys[number].shown = Some(Shown { map, truth, case, robot });
+            self.shown = Some(Shown { map: map.clone(), truth: truth.clone(), case, robot });
         }
         Ok(())
-    })?;
-    Ok(journeys)
+    }
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ pub const GROUP: Group = Group {
         ("places", places::make),
         ("steps", steps::make),
         ("shift", shift::make),
-        // Makes whole drives, of which fig7 shows a frame.
+        // After the items whose pass gives them their maps.
         ("planes", planes::make),
         ("fig7", fig7::make),
     ]),

@@ -9,7 +9,7 @@ use crate::chart::{Axis, DARK, Key, Marks, Panel, Point, Series};
 use crate::journey::RobotAt;
 
 /// Width and height of a panel that shows a square map.
-pub const PANEL: (u32, u32) = (386, 392);
+pub const PANEL: (u32, u32) = (430, 436);
 /// Planning radius of the paper, metres.
 const RADIUS_M: f64 = 4.0;
 /// Length of the robot's triangle, metres.
