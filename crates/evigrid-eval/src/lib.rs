@@ -33,6 +33,6 @@ pub use plan::{Plan, RunJob};
 pub use recording::{Recording, data_root};
 pub use run::evaluate;
 pub use score::score_map_file;
-pub use sweep::{Mapped, Sweep, SweepPlan, SweepStep, map_together, run_sweep};
+pub use sweep::{Followed, Mapped, Sweep, SweepPlan, SweepStep, follow_together, map_together, run_sweep};
 pub use tables::TableWriter;
 pub use truth::Truth;

@@ -134,6 +134,13 @@ impl Truth {
         self.safety.as_ref().map(SafetyReference::map)
     }
 
+    /// A safety map counted against the truth around the robot of the last frame; `None` without such a truth, or
+    /// if the robot has stood still.
+    pub fn safety_case(&self, found: &SafetyMap) -> Option<SafetyCase> {
+        let truth = self.safety.as_ref().filter(|_| self.robot.has_moved)?;
+        Some(SafetyCase::new(found, truth, self.robot.disc))
+    }
+
     /// Counts a safety map against the truth around the robot of the last frame, unless there is no such truth or
     /// the robot has stood still.
     pub(crate) fn tally_safety(&self, found: &SafetyMap, tally: &mut Option<SafetyTally>) {

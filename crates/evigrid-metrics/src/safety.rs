@@ -31,6 +31,10 @@ pub struct PlaneErrors {
     pub angle_deg: f64,
     /// Sum of the mean distances of the found planes from the true ones, metres.
     pub distance_m: f64,
+    /// Sum of the squares of the angles, square degrees.
+    pub angle_deg2: f64,
+    /// Sum of the squares of the distances, square metres.
+    pub distance_m2: f64,
 }
 
 /// Cells that the true map classifies, counted by what the found map says of them. Positive means unsafe
@@ -103,10 +107,22 @@ impl SafetyCase {
 }
 
 impl PlaneErrors {
-    fn add(&mut self, other: &Self) {
+    /// Adds one plane: the angle between its normal and the true one in degrees, and its distance in metres.
+    pub fn add_plane(&mut self, angle_deg: f64, distance_m: f64) {
+        self.count += 1;
+        self.angle_deg += angle_deg;
+        self.distance_m += distance_m;
+        self.angle_deg2 += angle_deg * angle_deg;
+        self.distance_m2 += distance_m * distance_m;
+    }
+
+    /// Adds the planes of another frame.
+    pub fn add(&mut self, other: &Self) {
         self.count += other.count;
         self.angle_deg += other.angle_deg;
         self.distance_m += other.distance_m;
+        self.angle_deg2 += other.angle_deg2;
+        self.distance_m2 += other.distance_m2;
     }
 
     /// Mean angle between found and true normals, degrees; NaN without planes.
@@ -118,6 +134,24 @@ impl PlaneErrors {
     pub fn mean_distance_cm(&self) -> f64 {
         100.0 * self.distance_m / self.count as f64
     }
+
+    /// Deviation of the angles over the planes, all of which are counted, degrees; NaN without planes.
+    pub fn deviation_angle_deg(&self) -> f64 {
+        deviation(self.count, self.angle_deg, self.angle_deg2)
+    }
+
+    /// Deviation of the distances over the planes, all of which are counted, centimetres; NaN without planes.
+    pub fn deviation_distance_cm(&self) -> f64 {
+        100.0 * deviation(self.count, self.distance_m, self.distance_m2)
+    }
+}
+
+/// Population deviation from the sums of values and of their squares.
+fn deviation(count: usize, sum: f64, squares: f64) -> f64 {
+    let mean = sum / count as f64;
+    // Rounding can make the difference of two equal numbers negative.
+    let variance = squares / count as f64 - mean * mean;
+    if variance < 0.0 { 0.0 } else { variance.sqrt() }
 }
 
 /// The cells of the planes of safe ground, with the true planes below them.
@@ -146,9 +180,8 @@ impl<'a> PlanePairs<'a> {
             let slope_deg = true_plane.normal.z.clamp(-1.0, 1.0).acos().to_degrees();
             // Level ground is exactly level in truth; the paper's limit between the two is 3 degrees.
             let errors = if slope_deg > 3.0 { &mut case.inclined_planes } else { &mut case.level_planes };
-            errors.count += 1;
-            errors.angle_deg += plane.normal.angle(&true_plane.normal).to_degrees();
-            errors.distance_m += mean_distance_m(plane, &true_plane, self.found.spec(), cells);
+            let angle_deg = plane.normal.angle(&true_plane.normal).to_degrees();
+            errors.add_plane(angle_deg, mean_distance_m(plane, &true_plane, self.found.spec(), cells));
         }
     }
 

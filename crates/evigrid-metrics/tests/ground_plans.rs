@@ -3,7 +3,7 @@
 
 use evigrid_grid::{LayerKind, PlanGrid, PlanSpec, SafetyLabel, SafetyMap, SafetyPlane};
 use evigrid_metrics::{
-    PlanCase, PlanReference, PlanState, PlanningDisc, SafetyCase, SafetyReference, Score, Scores,
+    PlanCase, PlanReference, PlanState, PlaneErrors, PlanningDisc, SafetyCase, SafetyReference, Score, Scores,
 };
 use nalgebra::{Isometry2, Vector2, Vector3};
 use proptest::prelude::*;
@@ -204,4 +204,20 @@ fn planes_are_held_against_the_true_plane_below_most_of_their_cells() {
     assert!((case.level_planes.mean_distance_cm() - expected_cm).abs() < 1e-9);
     assert_eq!(case.planes().count, 2);
     assert_eq!(case.inclined_rate(), 1.0);
+}
+
+/// Angles 1, 2 and 6 degrees: mean 3, squares of the differences 4, 1 and 9. Distances 0.01, 0.02 and 0.06 m.
+#[test]
+fn deviations_of_planes_are_those_of_all_frames_together() {
+    let (mut first, mut second) = (PlaneErrors::default(), PlaneErrors::default());
+    first.add_plane(1.0, 0.01);
+    first.add_plane(2.0, 0.02);
+    second.add_plane(6.0, 0.06);
+    assert_eq!(second.deviation_angle_deg(), 0.0);
+    first.add(&second);
+    let expected = (14.0_f64 / 3.0).sqrt();
+    assert!((first.mean_angle_deg() - 3.0).abs() < 1e-12 && (first.mean_distance_cm() - 3.0).abs() < 1e-12);
+    assert!((first.deviation_angle_deg() - expected).abs() < 1e-9);
+    assert!((first.deviation_distance_cm() - expected).abs() < 1e-9);
+    assert!(PlaneErrors::default().deviation_angle_deg().is_nan());
 }

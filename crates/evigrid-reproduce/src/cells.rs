@@ -13,8 +13,8 @@ pub struct Patches {
     pub edge_m: f64,
 }
 
-/// Levels that values are drawn in.
-const LEVELS: usize = 24;
+/// Levels that values are drawn in; odd, so that a value in the middle does not stand between two.
+const LEVELS: usize = 25;
 
 impl Patches {
     /// The cells for which something holds, those beside one another along the first axis as one area.

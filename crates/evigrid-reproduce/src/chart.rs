@@ -7,9 +7,10 @@ use plotters::chart::ChartContext;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::{
-    BLACK, Cartesian2d, ChartBuilder, Circle, Color, DrawingArea, IntoDrawingArea, LineSeries, Polygon,
-    RGBColor, Rectangle, SVGBackend, SeriesLabelPosition, WHITE,
+    BLACK, Cartesian2d, ChartBuilder, Circle, Color, DrawingArea, FontStyle, IntoDrawingArea, IntoFont,
+    LineSeries, Polygon, RGBColor, Rectangle, SVGBackend, SeriesLabelPosition, Text, WHITE,
 };
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Colours that stay apart for most people (Okabe and Ito).
 pub const BLUE: RGBColor = RGBColor(0, 114, 178);
@@ -26,6 +27,9 @@ pub const COLOURS: [RGBColor; 7] = [BLUE, ORANGE, GREEN, PINK, YELLOW, SKY, DARK
 /// Pixels for one line of text above the panels.
 const NOTE_HEIGHT: u32 = 20;
 const TITLE_HEIGHT: u32 = 30;
+/// Pixels for the key, and for a letter in it.
+const KEY_HEIGHT: u32 = 32;
+const LETTER: i32 = 7;
 
 /// A point in the units of the axes.
 pub type Point = (f64, f64);
@@ -41,7 +45,12 @@ pub enum Marks {
     Rings(Vec<Point>, u32),
     /// Filled areas.
     Areas(Vec<Vec<Point>>),
+    /// Words about places.
+    Words(Vec<(Point, String)>),
 }
+
+/// What a colour means.
+pub type Key = (String, RGBColor);
 
 /// Values that belong together.
 #[derive(Debug, Clone)]
@@ -133,15 +142,21 @@ pub struct Sheet {
 impl Sheet {
     /// The picture as SVG. Fonts are those of whoever looks at it.
     pub fn draw(&self) -> Result<String> {
+        self.draw_with_key(&[])
+    }
+
+    /// The picture with a line below the notes that tells what the colours of all panels mean.
+    pub fn draw_with_key(&self, key: &[Key]) -> Result<String> {
         let mut svg = String::new();
-        self.draw_into(&mut svg).map_err(|e| anyhow!("cannot draw {}: {e}", self.title))?;
+        self.draw_into(&mut svg, key).map_err(|e| anyhow!("cannot draw {}: {e}", self.title))?;
         Ok(svg)
     }
 
-    fn draw_into(&self, svg: &mut String) -> Result<(), String> {
+    fn draw_into(&self, svg: &mut String, key: &[Key]) -> Result<(), String> {
         let columns = self.columns.max(1);
         let rows = self.panels.len().div_ceil(columns).max(1);
-        let head = TITLE_HEIGHT + NOTE_HEIGHT * self.notes.len() as u32;
+        let key_height = if key.is_empty() { 0 } else { KEY_HEIGHT };
+        let head = TITLE_HEIGHT + NOTE_HEIGHT * self.notes.len() as u32 + key_height;
         let size = (self.panel.0 * columns as u32, head + self.panel.1 * rows as u32 + 8);
         let area = SVGBackend::with_string(svg, size).into_drawing_area();
         area.fill(&WHITE).map_err(text)?;
@@ -149,6 +164,8 @@ impl Sheet {
         for note in &self.notes {
             rest = rest.titled(note, ("sans-serif", 13)).map_err(text)?;
         }
+        let (line, rest) = rest.split_vertically(key_height);
+        draw_key(&line, key)?;
         for (panel, place) in self.panels.iter().zip(rest.split_evenly((rows, columns))) {
             panel.draw(&place)?;
         }
@@ -210,6 +227,11 @@ impl Series {
             Marks::Rings(points, radius) => {
                 chart.draw_series(points.iter().map(|&p| Circle::new(p, *radius, colour.stroke_width(1))))
             }
+            Marks::Words(words) => {
+                let font = ("sans-serif", 13).into_font().style(FontStyle::Bold).color(&colour);
+                let style = font.pos(Pos::new(HPos::Center, VPos::Center));
+                chart.draw_series(words.iter().map(|(at, word)| Text::new(word.clone(), *at, style.clone())))
+            }
             Marks::Areas(areas) => {
                 chart.draw_series(areas.iter().map(|area| Polygon::new(area.clone(), colour.filled())))
             }
@@ -222,6 +244,20 @@ impl Series {
         }
         Ok(())
     }
+}
+
+/// Squares in colours, each with its meaning on its right.
+fn draw_key(line: &Area<'_>, key: &[Key]) -> Result<(), String> {
+    let mut x = 20;
+    for (meaning, colour) in key {
+        let square = [(x, 8), (x + 16, 24)];
+        line.draw(&Rectangle::new(square, colour.filled())).map_err(text)?;
+        line.draw(&Rectangle::new(square, BLACK.mix(0.4).stroke_width(1))).map_err(text)?;
+        let style = ("sans-serif", 14).into_font().color(&BLACK);
+        line.draw(&Text::new(meaning.clone(), (x + 22, 9), style)).map_err(text)?;
+        x += 22 + LETTER * meaning.chars().count() as i32 + 22;
+    }
+    Ok(())
 }
 
 /// The corners of an upright rectangle.

@@ -8,7 +8,8 @@ use evigrid_core::name_hint;
 use evigrid_replay::DatasetInfo;
 use evigrid_results::MethodResult;
 
-use crate::chart::Sheet;
+use crate::chart::{Key, Sheet};
+use crate::journey::Journey;
 use crate::table::csv_text;
 use crate::{Folders, Tools, write_file};
 
@@ -62,13 +63,16 @@ pub struct Job<'a, 'b> {
     pub files: Vec<PathBuf>,
     /// Results of maps that several items are made from, by a name of the group's own.
     pub results: BTreeMap<String, Vec<MethodResult>>,
+    /// Maps that were followed frame by frame, likewise.
+    pub journeys: BTreeMap<String, Vec<Journey>>,
     group: &'static str,
     item: &'static str,
 }
 
 impl<'a, 'b> Job<'a, 'b> {
     pub fn new(group: &'static str, folders: &'a Folders, tools: &'a mut Tools<'b>) -> Self {
-        Self { folders, tools, files: Vec::new(), results: BTreeMap::new(), group, item: "" }
+        let (files, results, journeys) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
+        Self { folders, tools, files, results, journeys, group, item: "" }
     }
 
     /// The next item.
@@ -119,6 +123,12 @@ impl<'a, 'b> Job<'a, 'b> {
     /// Writes the item's picture.
     pub fn write_picture(&mut self, sheet: &Sheet) -> Result<()> {
         let text = sheet.draw()?;
+        self.write(&format!("{}.svg", self.item), &text)
+    }
+
+    /// Writes the item's picture with a key of its colours.
+    pub fn write_keyed_picture(&mut self, sheet: &Sheet, key: &[Key]) -> Result<()> {
+        let text = sheet.draw_with_key(key)?;
         self.write(&format!("{}.svg", self.item), &text)
     }
 

@@ -4,6 +4,7 @@ use evigrid_grid::{GridSpec, RayBatch, RayWalk};
 use multiversion::multiversion;
 
 use crate::points::{RangePoint, voxel_behind};
+use crate::scroll::scroll;
 use crate::settings::SafetyMapSettings;
 
 /// Rays that are walked side by side.
@@ -94,9 +95,9 @@ impl Evidence {
         self.bound <= i64::from(i32::MAX)
     }
 
-    /// Evidence after the grid has moved.
-    pub fn replace(&mut self, of_voxel: Vec<i32>) {
-        self.of_voxel = of_voxel;
+    /// Moves the grid by whole voxels; there is no evidence of new voxels.
+    pub fn scroll(&mut self, spec: &GridSpec, voxels: [i64; 3]) {
+        scroll(spec, &mut self.of_voxel, voxels);
     }
 }
 

@@ -19,6 +19,7 @@ mod outliers;
 mod points;
 mod reassign;
 mod robot;
+mod scroll;
 mod segments;
 mod settings;
 mod voxel_map;

@@ -43,7 +43,7 @@ impl Segments {
             list.push(Segment { cells, interior: 0, plane: None });
         }
         let mut joined = Self { list, of_cell };
-        joined.finish(columns);
+        joined.fit_planes(columns);
         joined
     }
 

@@ -8,6 +8,7 @@ use crate::labels::label_columns;
 use crate::model::{Model, floor_layer};
 use crate::outliers::Readings;
 use crate::robot::Robot;
+use crate::segments::Segments;
 use crate::settings::{FloorPlace, SafetyMapPlusSettings, SafetyMapSettings};
 
 /// A stage of a frame, in their order.
@@ -68,6 +69,18 @@ impl SafetyMapping {
     /// The 3-D model so far; `None` before the first frame.
     pub fn model(&self) -> Option<&Model> {
         self.model.as_ref()
+    }
+
+    /// The height map behind the safety map.
+    pub fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    /// The segments of ground behind the safety map, found once more; `None` before the first frame.
+    pub fn segments(&self) -> Option<Segments> {
+        let (model, robot) = (self.model.as_ref()?, self.robot?);
+        let floor_layer = floor_layer(model.spec(), robot.floor_m);
+        Some(Segments::find(&self.columns, &robot, floor_layer, &self.settings))
     }
 
     /// Integrates a frame as [`Mapper::integrate`] does, and tells when each of its stages is done. A frame of a

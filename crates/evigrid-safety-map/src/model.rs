@@ -7,6 +7,7 @@ use crate::columns::{Column, Columns};
 use crate::evidence::Evidence;
 use crate::points::{PointSelection, RangePoint};
 use crate::robot::Robot;
+use crate::scroll::scroll;
 use crate::settings::SafetyMapSettings;
 
 /// A point of the database, relative to its voxel.
@@ -143,24 +144,23 @@ impl Model {
         if voxels == [0; 3] {
             return;
         }
-        let (mut evidence, mut list_of) = (vec![0; self.evidence().len()], vec![0; self.list_of.len()]);
-        for flat in 0..self.evidence().len() {
-            let cell = self.spec.voxel(flat);
-            let new: [i64; 3] = std::array::from_fn(|a| cell[a] as i64 - voxels[a]);
-            match self.spec.flat(new) {
-                Some(to) => (evidence[to], list_of[to]) = (self.evidence()[flat], self.list_of[flat]),
-                None if self.list_of[flat] != 0 => {
-                    let list = self.list_of[flat] - 1;
-                    self.lists[list as usize].clear();
-                    self.spare.push(list);
-                }
-                None => {}
-            }
-        }
-        self.evidence.replace(evidence);
-        self.list_of = list_of;
+        self.forget_lists(voxels);
+        self.evidence.scroll(&self.spec, voxels);
+        scroll(&self.spec, &mut self.list_of, voxels);
         self.moved = [0, 1, 2].map(|a| self.moved[a] + voxels[a]);
         self.spec = self.first.moved(self.moved);
+    }
+
+    /// Frees the lists of the voxels that a move of the grid leaves behind.
+    fn forget_lists(&mut self, voxels: [i64; 3]) {
+        for flat in (0..self.list_of.len()).filter(|&flat| self.list_of[flat] != 0) {
+            let cell = self.spec.voxel(flat);
+            if self.spec.flat([0, 1, 2].map(|a| cell[a] as i64 - voxels[a])).is_none() {
+                let list = self.list_of[flat] - 1;
+                self.lists[list as usize].clear();
+                self.spare.push(list);
+            }
+        }
     }
 
     /// What a point of an occupied voxel counts for in its plane.

@@ -64,6 +64,6 @@ impl Segments {
             cells.iter().for_each(|&cell| self.of_cell[cell as usize] = Some(number));
             self.list.push(Segment { cells, interior: 0, plane: None });
         }
-        self.finish(columns);
+        self.fit_planes(columns);
     }
 }

@@ -49,13 +49,14 @@ impl Segments {
                 found.grow(columns, cell, settings, &mut to_examine);
             }
         }
-        found.finish(columns);
+        found.fit_planes(columns);
         if settings.merge_m > 0.0 {
             found = found.joined(columns, settings.merge_m);
         }
         if settings.reassign_cells {
             found = found.reassigned(columns, settings.merge_m);
         }
+        found.count_interior(columns);
         found
     }
 
@@ -90,8 +91,15 @@ impl Segments {
         self.list.push(Segment { cells, interior: 0, plane: None });
     }
 
-    /// Interior cells and planes of all segments.
-    pub(crate) fn finish(&mut self, columns: &Columns) {
+    /// Planes of all segments.
+    pub(crate) fn fit_planes(&mut self, columns: &Columns) {
+        for segment in &mut self.list {
+            segment.plane = segment.moments(columns).plane();
+        }
+    }
+
+    /// Interior cells of all segments.
+    fn count_interior(&mut self, columns: &Columns) {
         let of_cell = &self.of_cell;
         for segment in &mut self.list {
             let is_interior = |&&cell: &&u32| {
@@ -99,7 +107,6 @@ impl Segments {
                 columns.spec().neighbours(cell as usize).filter(|&n| of_cell[n] == own).count() == 8
             };
             segment.interior = segment.cells.iter().filter(is_interior).count();
-            segment.plane = segment.moments(columns).plane();
         }
     }
 

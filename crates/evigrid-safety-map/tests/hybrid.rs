@@ -79,3 +79,20 @@ fn there_is_no_model_before_the_first_frame() {
     let mapper = SafetyMapping::new(grid, SafetyMapSettings::default()).unwrap();
     assert!(mapper.hybrid_model().is_none());
 }
+
+#[test]
+fn segments_are_those_that_the_map_was_made_of() {
+    let mapper = driven();
+    let (map, columns, segments) = (mapper.map(), mapper.columns(), mapper.segments().unwrap());
+    let planes: Vec<_> = segments.list.iter().filter_map(|own| own.plane).map(|p| p.by_normal()).collect();
+    assert!(!planes.is_empty());
+    assert_eq!(map.planes(), planes);
+    for segment in &segments.list {
+        let first = segment.cells[0] as usize;
+        let as_first = |&cell: &u32| {
+            let cell = cell as usize;
+            (columns.height(cell), map.labels()[cell]) == (columns.height(first), map.labels()[first])
+        };
+        assert!(columns.height(first).is_some() && segment.cells.iter().all(as_first));
+    }
+}

@@ -43,7 +43,7 @@ use point_folder::PointFolders;
 use report::Report;
 
 pub use plan::{Sweep, SweepPlan};
-pub use together::{Mapped, map_together};
+pub use together::{Followed, Mapped, follow_together, map_together};
 
 /// How far a sweep is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,8 +101,9 @@ pub fn run_sweep(
             let (dataset, frames) = (info.dataset.as_str(), info.frames.len());
             progress(SweepStep::Pass { dataset, points: points.len(), frames });
             let write = |result: &PointResult<'_>| folders.write(result);
-            run_pass(&data.recording, &points, clock, &write, &mut |done| {
-                progress(SweepStep::Frame(done));
+            run_pass(&data.recording, &points, clock, &write, &mut |_, moment| {
+                progress(SweepStep::Frame(moment.position + 1));
+                Ok(())
             })?;
         }
     }

@@ -5,7 +5,7 @@ use evigrid_results::{MethodMaps, RunResult};
 use rayon::prelude::*;
 
 use super::point::Point;
-use crate::pass::{Entrant, Order, Pass, groups};
+use crate::pass::{Entrant, Moment, Order, Pass, groups};
 use crate::{Clock, Recording, Truth};
 
 /// Memory that the maps of one pass may need, bytes. One point is always computed.
@@ -48,22 +48,22 @@ pub(super) struct PointResult<'a> {
     pub truth: &'a Truth,
 }
 
-/// Maps all frames for all points, then scores each and hands it to `write`, from any thread.
+/// Sees all maps after every frame.
+pub(super) type Follow<'a> = dyn FnMut(&Pass<'_>, &Moment<'_>) -> Result<()> + 'a;
+
+/// Maps all frames for all points, which `follow` sees, then scores each and hands it to `write`, from any thread.
 ///
 /// # Errors
-/// If a frame cannot be read or mapped, or `write` fails.
+/// If a frame cannot be read or mapped, or `follow` or `write` fails.
 pub(super) fn run_pass(
     recording: &Recording,
     points: &[&Point],
     clock: &dyn Clock,
     write: &(dyn Fn(&PointResult<'_>) -> Result<()> + Sync),
-    frame_done: &mut dyn FnMut(usize),
+    follow: &mut Follow<'_>,
 ) -> Result<()> {
     let mut pass = Pass::new(recording, points.iter().map(|point| point.entrant()).collect())?;
-    pass.drive(recording, clock, Order::SideBySide, &mut |_, moment| {
-        frame_done(moment.position + 1);
-        Ok(())
-    })?;
+    pass.drive(recording, clock, Order::SideBySide, &mut |pass, moment| follow(pass, &moment))?;
     (0..pass.len()).into_par_iter().try_for_each(|number| {
         let maps = pass.maps(number);
         let run = pass.run_result(number, vec![pass.method_result(number, &maps.layers)]);

@@ -3,11 +3,13 @@
 use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Context, Result};
+use evigrid_core::Frame;
 use evigrid_grid::{Layer, LogOddsGrid};
 use evigrid_results::{MethodResult, RunInfo};
 
 use super::passes::{PointResult, run_pass, split_into_passes};
 use super::point::Point;
+use crate::pass::{Moment, Pass};
 use crate::{Clock, Config, Recording, Truth};
 
 /// The finding of one of many settings.
@@ -48,14 +50,63 @@ pub fn map_together<T: Send>(
     look: &(dyn Fn(&Mapped<'_>) -> Result<T> + Sync),
     frame_done: &mut dyn FnMut(),
 ) -> Result<Vec<T>> {
+    together(recording, configs, clock, look, &mut |_, _, _| {
+        frame_done();
+        Ok(())
+    })
+}
+
+/// One of many maps after a frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Followed<'a> {
+    /// The frame.
+    pub frame: &'a Frame,
+    /// Its layers so far.
+    pub layers: &'a [Layer<'a>],
+    /// The truth so far.
+    pub truth: &'a Truth,
+}
+
+/// As [`map_together`], and every map is seen after every frame too: `follow` gets the position of its settings in
+/// `configs`.
+///
+/// # Errors
+/// As [`map_together`], or if `follow` fails.
+pub fn follow_together<T: Send>(
+    recording: &Recording,
+    configs: Vec<Config>,
+    clock: &dyn Clock,
+    look: &(dyn Fn(&Mapped<'_>) -> Result<T> + Sync),
+    follow: &mut dyn FnMut(usize, &Followed<'_>) -> Result<()>,
+) -> Result<Vec<T>> {
+    together(recording, configs, clock, look, &mut |pass, numbers, moment| {
+        numbers.iter().enumerate().try_for_each(|(own, &number)| {
+            let (layers, truth) = (pass.layers(own), pass.truth(own));
+            follow(number, &Followed { frame: moment.frame, layers: &layers, truth })
+        })
+    })
+}
+
+/// Sees the maps of a pass after every frame, and gets the positions of their settings among all.
+type FollowMany<'a> = dyn FnMut(&Pass<'_>, &[usize], &Moment<'_>) -> Result<()> + 'a;
+
+/// Maps in passes. `follow` gets the positions of the pass's settings in `configs`.
+fn together<T: Send>(
+    recording: &Recording,
+    configs: Vec<Config>,
+    clock: &dyn Clock,
+    look: &(dyn Fn(&Mapped<'_>) -> Result<T> + Sync),
+    follow: &mut FollowMany<'_>,
+) -> Result<Vec<T>> {
     let points: Result<Vec<Point>> = configs.into_iter().map(|c| Point::of_run(c, recording)).collect();
     let points = points?;
     let seen: Mutex<Vec<Option<T>>> = Mutex::new(points.iter().map(|_| None).collect());
+    let number_of = |own: &Point| points.iter().position(|p| std::ptr::eq(p, own));
     let write = |found: &PointResult<'_>| {
         let result = found.run.methods.first().context("a run without a method")?;
         let info = &found.point.job.info;
         let value = look(&Mapped { info, result, layers: &found.maps.layers, truth: found.truth })?;
-        let number = points.iter().position(|p| std::ptr::eq(p, found.point));
+        let number = number_of(found.point);
         let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(slot) = number.and_then(|number| seen.get_mut(number)) {
             *slot = Some(value);
@@ -63,7 +114,8 @@ pub fn map_together<T: Send>(
         Ok(())
     };
     for pass in split_into_passes(points.iter().collect()) {
-        run_pass(recording, &pass, clock, &write, &mut |_| frame_done())?;
+        let numbers: Vec<usize> = pass.iter().filter_map(|&own| number_of(own)).collect();
+        run_pass(recording, &pass, clock, &write, &mut |maps, moment| follow(maps, &numbers, moment))?;
     }
     let seen = seen.into_inner().unwrap_or_else(PoisonError::into_inner);
     seen.into_iter().map(|value| value.context("a point was left out of all passes")).collect()
@@ -119,6 +171,25 @@ mod tests {
             evaluate(&Plan::new(config).unwrap(), &clock, &folder, &mut [&mut single]).unwrap();
             assert!(single.0 == together);
         }
+    }
+
+    /// After the last frame, what is followed is what is complete.
+    #[test]
+    fn every_map_is_followed_by_the_number_of_its_settings() {
+        let checked = config("winner-take-all", "stereo.window=9");
+        let configs =
+            vec![config("cost-curve", "run.stride=1"), checked, config("cost-curve", "stereo.window=9")];
+        let (recording, clock) = (Recording::open("synth:street").unwrap(), RealClock::default());
+        let look = |mapped: &Mapped<'_>| Ok(bits(mapped.voxels()?));
+        let (mut last, mut frames) = (vec![Vec::new(); 3], vec![Vec::new(); 3]);
+        let complete = follow_together(&recording, configs, &clock, &look, &mut |number, seen| {
+            frames[number].push(seen.frame.index());
+            last[number] = bits(seen.layers[0].voxels().unwrap());
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!(frames, [[0, 1], [0, 1], [0, 1]]);
+        assert!(last == complete && last[0] != last[1] && last[1] != last[2]);
     }
 
     #[test]

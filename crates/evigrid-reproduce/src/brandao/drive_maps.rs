@@ -1,15 +1,15 @@
 //! Figs 8 and 9: maps of a real drive against the laser, as tables, pictures and recordings.
 
 use anyhow::Result;
-use evigrid_eval::{Config, Mapped, Observer, Plan, Recording, evaluate, map_together};
+use evigrid_eval::{Config, Mapped, Recording, map_together};
 use evigrid_metrics::{Counts, count};
-use evigrid_results::ResultsFolder;
 
 use super::methods::{self, Reading};
 use super::top_view::TopView;
 use crate::chart::Sheet;
 use crate::drive::{self, Drive};
 use crate::job::Job;
+use crate::recording::record;
 use crate::table::{SCORE_COLUMNS, score_cells};
 
 /// A map of the drive.
@@ -48,7 +48,9 @@ fn make(job: &mut Job<'_, '_>, readings: &[Reading], title: &str) -> Result<()> 
         panel: (1100, 190),
         panels: maps.iter().map(|map| map.view.panel(map.caption(), end_m)).collect(),
     })?;
-    record(job, &drive, readings)
+    let mut config = recorded(readings, &drive)?;
+    config.run.dataset = drive.dir.display().to_string();
+    record(job, config)
 }
 
 impl Reading {
@@ -94,25 +96,6 @@ fn row(map: &DriveMap, id: &str, frames: &str) -> Vec<String> {
     row
 }
 
-/// Runs the first reading of every method once more, with a recording.
-fn record(job: &mut Job<'_, '_>, drive: &Drive, readings: &[Reading]) -> Result<()> {
-    let dir = job.dir();
-    // Locked, and with nothing of an earlier run that was killed: the
-    // recording's temporary name must be free.
-    let (folder, _) = ResultsFolder::open(&dir)?;
-    let path = dir.join(format!("{}.rrd", job.item()));
-    remove_if_there(&path.with_extension("rrd.partial"))?;
-    let Some(mut recorder) = (job.tools.recorder)(path.clone())? else { return Ok(()) };
-    job.say("recording");
-    let mut config = recorded(readings, drive)?;
-    config.run.dataset = drive.dir.display().to_string();
-    let plan = Plan::new(config)?;
-    let mut observers: [&mut dyn Observer; 1] = [recorder.as_mut()];
-    evaluate(&plan, job.tools.clock, &folder, &mut observers)?;
-    job.files.push(path);
-    Ok(())
-}
-
 /// One run of all methods, each as its first reading.
 fn recorded(readings: &[Reading], drive: &Drive) -> Result<Config> {
     let mut methods: Vec<&str> = Vec::new();
@@ -126,13 +109,4 @@ fn recorded(readings: &[Reading], drive: &Drive) -> Result<Config> {
     let mut config = Config::load(None, &sets)?;
     config.run.methods = methods.iter().map(|m| (*m).to_owned()).collect();
     Ok(config)
-}
-
-fn remove_if_there(path: &std::path::Path) -> Result<()> {
-    match std::fs::remove_file(path) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-            Err(anyhow::anyhow!("cannot remove {}: {e}", path.display()))
-        }
-        _ => Ok(()),
-    }
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use anyhow::{Context, Result};
-use evigrid_core::{Frame, Mounting, Pose, View};
+use evigrid_core::{Frame, Matching, Mounting, Pose, View};
 use evigrid_eval::{MatchSource, Recording};
 use evigrid_grid::{GridSpec, Method};
 use evigrid_replay::map_from_world;
@@ -61,15 +61,30 @@ impl Drive {
     ///
     /// Returned is whether the method has used the frame: it drops those of a standing robot.
     pub fn add(&self, frame: &Frame, to: &mut Mapping, done: &mut dyn FnMut(Option<Stage>)) -> Result<bool> {
-        let matching = to.source.run(frame, SafetyMapping::NEEDS)?;
         let mut is_used = false;
-        done(None);
-        to.mapper.integrate_by_stages(&View::new(frame, Some(self.mounting), &matching), &mut |stage| {
-            is_used = true;
-            done(Some(stage));
-        })?;
-        to.source.recycle(matching);
+        let mut all = |stage: Option<Stage>| {
+            is_used |= stage.is_some();
+            done(stage);
+        };
+        self.add_and_look(frame, to, &mut all, &mut |_, _| Ok(()))?;
         Ok(is_used)
+    }
+
+    /// The same, and shows the map with what was matched.
+    pub fn add_and_look(
+        &self,
+        frame: &Frame,
+        to: &mut Mapping,
+        done: &mut dyn FnMut(Option<Stage>),
+        look: &mut dyn FnMut(&SafetyMapping, &Matching) -> Result<()>,
+    ) -> Result<()> {
+        let matching = to.source.run(frame, SafetyMapping::NEEDS)?;
+        done(None);
+        let view = View::new(frame, Some(self.mounting), &matching);
+        to.mapper.integrate_by_stages(&view, &mut |stage| done(Some(stage)))?;
+        look(&to.mapper, &matching)?;
+        to.source.recycle(matching);
+        Ok(())
     }
 }
 

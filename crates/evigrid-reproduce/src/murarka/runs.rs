@@ -6,7 +6,8 @@ use evigrid_grid::LayerKind;
 use evigrid_metrics::SafetyTally;
 use evigrid_results::MethodResult;
 
-use super::worlds::{Entry, WORLDS, mean_and_deviation, results};
+use super::journeys::follow;
+use super::worlds::{Entry, WORLDS, mean_and_deviation};
 use super::{fig6a, shift, steps, table2};
 use crate::job::Job;
 
@@ -37,7 +38,7 @@ impl Runs {
         let mut worlds = Vec::new();
         for world in WORLDS {
             if !job.results.contains_key(world) {
-                let made = results(job, world, &entries)?;
+                let made = follow(job, world, &entries, None)?;
                 job.results.insert(world.to_owned(), made);
             }
             worlds.push(job.results[world].clone());
@@ -85,6 +86,7 @@ pub fn summary(rows: &[Vec<f64>]) -> Vec<[f64; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::journeys;
     use super::*;
 
     #[test]
@@ -97,6 +99,8 @@ mod tests {
         let plain = Entry::plain("exact", "safety-map");
         assert!(table2::entries().contains(&plain) && fig6a::entries().contains(&plain));
         assert!(steps::entries().contains(&plain) && shift::entries().contains(&plain));
+        // So that planes and fig7 have their maps from the same pass.
+        assert!(journeys::entries().iter().all(|own| all.contains(own)));
     }
 
     #[test]

@@ -46,7 +46,7 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
             row.extend([column.false_negative[0], column.false_positive[0]].map(|v| rounded(v, 2)));
             row.extend(["", "", "", "", ""].map(String::from));
             let planes = if column.decrement == 1 {
-                PLANES.map(|v| rounded(v, 2))
+                PLANES.map(|[mean, _]| rounded(mean, 2))
             } else {
                 [String::new(), String::new()]
             };

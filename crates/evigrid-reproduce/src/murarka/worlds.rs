@@ -1,11 +1,8 @@
 //! The five worlds, and maps of them.
 
 use anyhow::{Context, Result};
-use evigrid_eval::{Config, Mapped, Recording, map_together};
-use evigrid_results::MethodResult;
+use evigrid_eval::Config;
 use evigrid_synth::World;
-
-use crate::job::Job;
 
 /// The worlds that stand for the paper's five data sets.
 pub const WORLDS: [&str; 5] = ["safety-1", "safety-2", "safety-3", "safety-4", "safety-5"];
@@ -78,16 +75,6 @@ impl Entry {
         config.run.methods = vec![self.method.to_owned()];
         Ok(config)
     }
-}
-
-/// The safety maps of one world, one for each entry, counted over its frames.
-pub fn results(job: &mut Job<'_, '_>, name: &str, entries: &[Entry]) -> Result<Vec<MethodResult>> {
-    let world = World::builtin(name)?;
-    job.say(&format!("synth:{name}, {} frames", world.frame_count()));
-    let configs: Result<Vec<Config>> = entries.iter().map(|entry| entry.config(&world)).collect();
-    let recording = Recording::from(world);
-    let look = |mapped: &Mapped<'_>| Ok(mapped.result.clone());
-    map_together(&recording, configs?, job.tools.clock, &look, &mut || {})
 }
 
 /// Mean and population deviation.

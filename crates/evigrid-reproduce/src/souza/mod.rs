@@ -2,7 +2,6 @@
 //! Vision" (2012), and whether its claim holds. The paper publishes no numbers.
 
 mod contenders;
-mod cubes;
 mod drifting;
 mod fig1;
 mod fig7;
