@@ -19,6 +19,21 @@ struct StoredPoint {
     distance_m: f32,
 }
 
+impl StoredPoint {
+    /// Its place in the map frame, metres, if its voxel has this place in the grid.
+    fn place_m(&self, spec: &GridSpec, voxel: [usize; 3]) -> [f64; 3] {
+        let (origin, c) = (spec.origin_m(), spec.cell_size_m());
+        [0, 1, 2].map(|a| origin[a] + (voxel[a] as f64 + f64::from(self.at[a])) * c)
+    }
+}
+
+/// The points of a voxel, those seen from nearest first, and their sums in the map frame.
+#[derive(Debug, Default)]
+struct PointList {
+    points: Vec<StoredPoint>,
+    moments: Moments,
+}
+
 /// Voxels with their evidence, and for each voxel a bounded list of points, those seen from nearest first.
 #[derive(Debug)]
 pub struct Model {
@@ -30,7 +45,7 @@ pub struct Model {
     evidence: Evidence,
     /// For each voxel the place of its list among the lists, plus 1; 0: it has none.
     list_of: Vec<u32>,
-    lists: Vec<Vec<StoredPoint>>,
+    lists: Vec<PointList>,
     /// Lists that belong to no voxel.
     spare: Vec<u32>,
     selection: PointSelection,
@@ -77,18 +92,13 @@ impl Model {
 
     /// The points of a voxel in the map frame, metres, those seen from nearest first.
     pub fn points(&self, flat: usize) -> impl Iterator<Item = [f64; 3]> + '_ {
-        let (corner, c) = (self.spec.voxel(flat), self.spec.cell_size_m());
-        let origin = self.spec.origin_m();
-        let list = self.list(flat);
-        list.iter()
-            .map(move |point| [0, 1, 2].map(|a| origin[a] + (corner[a] as f64 + f64::from(point.at[a])) * c))
+        let (spec, corner) = (self.spec, self.spec.voxel(flat));
+        let points = self.list(flat).map_or(&[][..], |list| &list.points);
+        points.iter().map(move |point| point.place_m(&spec, corner))
     }
 
-    fn list(&self, flat: usize) -> &[StoredPoint] {
-        match self.list_of[flat] {
-            0 => &[],
-            list => &self.lists[list as usize - 1],
-        }
+    fn list(&self, flat: usize) -> Option<&PointList> {
+        self.list_of[flat].checked_sub(1).map(|list| &self.lists[list as usize])
     }
 
     /// Adds the points of a frame: the first in each voxel. `disparities` are those of the left image, row by
@@ -116,22 +126,24 @@ impl Model {
     /// Puts a point into the list of its voxel.
     fn keep(&mut self, point: &RangePoint) {
         let voxel = point.voxel as usize;
-        let corner = self.spec.voxel(voxel);
+        let (spec, corner) = (self.spec, self.spec.voxel(voxel));
         let at = [0, 1, 2].map(|a| (point.at[a] - corner[a] as f64) as f32);
         let limit = self.settings.points_per_voxel;
-        let list = self.list_for(voxel);
-        let place = list.partition_point(|known| known.distance_m <= point.distance_m);
+        let PointList { points, moments } = self.list_for(voxel);
+        let place = points.partition_point(|known| known.distance_m <= point.distance_m);
         if place < limit {
-            list.truncate(limit - 1);
-            list.insert(place, StoredPoint { at, distance_m: point.distance_m });
+            points.truncate(limit - 1);
+            points.insert(place, StoredPoint { at, distance_m: point.distance_m });
+            *moments = Moments::default();
+            points.iter().for_each(|point| moments.add(point.place_m(&spec, corner)));
         }
     }
 
     /// The list of a voxel, which gets one if it has none.
-    fn list_for(&mut self, voxel: usize) -> &mut Vec<StoredPoint> {
+    fn list_for(&mut self, voxel: usize) -> &mut PointList {
         if self.list_of[voxel] == 0 {
             let list = self.spare.pop().unwrap_or_else(|| {
-                self.lists.push(Vec::new());
+                self.lists.push(PointList::default());
                 (self.lists.len() - 1) as u32
             });
             self.list_of[voxel] = list + 1;
@@ -157,7 +169,9 @@ impl Model {
             let cell = self.spec.voxel(flat);
             if self.spec.flat([0, 1, 2].map(|a| cell[a] as i64 - voxels[a])).is_none() {
                 let list = self.list_of[flat] - 1;
-                self.lists[list as usize].clear();
+                let freed = &mut self.lists[list as usize];
+                freed.points.clear();
+                freed.moments = Moments::default();
                 self.spare.push(list);
             }
         }
@@ -178,10 +192,9 @@ impl Model {
             let base = column * self.spec.shape()[2];
             let height = (0..layers).rev().find(|&w| self.is_occupied(base + w))?;
             let mut moments = Moments::default();
-            for w in (0..=height).filter(|&w| self.is_occupied(base + w)) {
-                let mut own = Moments::default();
-                self.points(base + w).for_each(|point| own.add(point));
-                moments.append(&own.weighted(self.weight(base + w)));
+            for flat in (base..=base + height).filter(|&flat| self.is_occupied(flat)) {
+                let own = self.list(flat).map_or_else(Moments::default, |list| list.moments);
+                moments.append(&own.weighted(self.weight(flat)));
             }
             Some(Column { height: height as i32, moments })
         });

@@ -84,7 +84,8 @@ fn cells_stay_on_their_side_of_a_step() {
 #[test]
 fn points_are_weighted_by_evidence() {
     for weigh_points in [false, true] {
-        let settings = SafetyMapSettings { occupied_at: 20, weigh_points, ..paper() };
+        // Fewer than there are frames, so that points leave their lists again.
+        let settings = SafetyMapSettings { occupied_at: 20, points_per_voxel: 3, weigh_points, ..paper() };
         let (spec, mut model) = (common::grid(), Model::new(common::grid(), settings));
         for n in 0..6 {
             let pose = common::pose([0.02 * f64::from(n), 0.0, 0.0], 0.0, 0.5);

@@ -4,6 +4,8 @@
 use anyhow::Result;
 use evigrid_core::stable_hash;
 use evigrid_metrics::{PlaneErrors, SafetyCase};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::journeys::{entries, whole};
 use super::published::PLANES;
@@ -131,11 +133,13 @@ fn total(all: &[PlaneErrors]) -> PlaneErrors {
 }
 
 /// Numbers of the frames of a world that a draw takes among those in which the robot has moved, each at most once:
-/// those with the smallest hashes. They do not depend on the map.
+/// those with the smallest random numbers. They do not depend on the map.
 fn drawn(world: &str, journey: &Journey, seed: u64) -> Vec<usize> {
-    let mut frames: Vec<usize> = journey.cases.iter().map(|(frame, _)| *frame).collect();
-    frames.sort_by_key(|frame| stable_hash(&format!("{seed} {world} {frame}")));
-    frames.truncate(DRAWN);
+    let mut rng = ChaCha8Rng::seed_from_u64(stable_hash(&format!("{seed} {world}")));
+    let mut lots: Vec<(u64, usize)> =
+        journey.cases.iter().map(|(frame, _)| (rng.next_u64(), *frame)).collect();
+    lots.sort_unstable();
+    let mut frames: Vec<usize> = lots.into_iter().take(DRAWN).map(|(_, frame)| frame).collect();
     frames.sort_unstable();
     frames
 }
