@@ -1,4 +1,6 @@
-use crate::{CostVolume, Disparity, Matches};
+use std::ops::Range;
+
+use crate::{CostVolume, Disparity, DisparityPlane, Matches};
 
 /// The result of matching one stereo pair. All methods of a run see the same one.
 #[derive(Debug, Clone)]
@@ -12,13 +14,17 @@ pub struct Matching {
 }
 
 /// A disparity image in two parts: pixels that lie on the road, and pixels that show an obstacle. No pixel
-/// has a disparity in both.
+/// has a disparity in both. Both are unfiltered, as the matches they are parts of.
 #[derive(Debug, Clone)]
 pub struct RoadSplit {
     /// Disparities of the road, NaN elsewhere.
     pub road: Disparity,
     /// Disparities of obstacles, NaN elsewhere.
     pub obstacles: Disparity,
+    /// The ground by which they were told apart.
+    pub ground: DisparityPlane,
+    /// The whole disparities that were tried; what is nearer or farther cannot have been seen.
+    pub tried: Range<usize>,
 }
 
 impl Matching {

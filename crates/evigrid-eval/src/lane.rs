@@ -33,7 +33,8 @@ impl Lane {
     /// As [`MatchSource::new`].
     pub fn new(config: &Config, mounting: Option<Mounting>, world: Option<&World>) -> Result<Self> {
         let (needs, families) = (Needs::NOTHING, Vec::new());
-        Ok(Self { source: MatchSource::new(config, world)?, mounting, needs, families, matching: None })
+        let source = MatchSource::new(config, mounting, world)?;
+        Ok(Self { source, mounting, needs, families, matching: None })
     }
 
     /// Adds a family of maps whose first one belongs to the entrant `first`; its number.

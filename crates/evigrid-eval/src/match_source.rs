@@ -1,8 +1,10 @@
+use std::ops::Range;
+
 use anyhow::{Context, Result};
-use evigrid_core::{Disparity, Frame, Matching};
+use evigrid_core::{Disparity, Frame, GroundPlane, Matches, Matching, Mounting, RoadSplit};
 use evigrid_grid::Needs;
 use evigrid_replay::read_disparity_png;
-use evigrid_stereo::{Extras, Matcher, MatcherKind};
+use evigrid_stereo::{Extras, Matcher, MatcherKind, PairTask};
 use evigrid_synth::{LeftViewTruth, PixelTruth, World};
 
 use crate::Config;
@@ -11,6 +13,7 @@ use crate::Config;
 #[derive(Debug)]
 pub struct MatchSource {
     origin: Origin,
+    mounting: Option<Mounting>,
     /// Buffers of the frame before.
     recycled: Option<Matching>,
 }
@@ -22,22 +25,37 @@ enum Origin {
     /// A folder of disparity images.
     Folder(String),
     /// The shapes of a world.
-    Exact(Box<World>),
+    Exact(Box<Exact>),
 }
 
+/// Exact disparities of a world, and those that a matcher with the same settings would have tried.
+#[derive(Debug)]
+struct Exact {
+    world: World,
+    tried: Range<usize>,
+}
+
+/// Surfaces less than this above or below the ground are road, metres: kerbs and pavements count as road.
+const ROAD_WITHIN_M: f64 = 0.15;
+
 impl MatchSource {
-    /// The matches of these settings; `world` is the world of a synthetic recording.
+    /// The matches of these settings; `world` is the world of a synthetic recording, `mounting` how the camera
+    /// stands over the ground, where that is known.
     ///
     /// # Errors
     /// If a setting of the matcher is outside its domain, or the matcher needs a world and there is none.
-    pub fn new(config: &Config, world: Option<&World>) -> Result<Self> {
+    pub fn new(config: &Config, mounting: Option<Mounting>, world: Option<&World>) -> Result<Self> {
         let folder = &config.input.disparity_dir;
         let origin = match (config.stereo.matcher, world) {
             _ if !folder.is_empty() => Origin::Folder(folder.clone()),
-            (MatcherKind::Exact, Some(world)) => Origin::Exact(Box::new(world.clone())),
+            (MatcherKind::Exact, Some(world)) => {
+                let stereo = &config.stereo;
+                let tried = stereo.min_disparity..stereo.min_disparity + stereo.disparities;
+                Origin::Exact(Box::new(Exact { world: world.clone(), tried }))
+            }
             _ => Origin::Matcher(Matcher::new(config.stereo)?),
         };
-        Ok(Self { origin, recycled: None })
+        Ok(Self { origin, mounting, recycled: None })
     }
 
     /// The matches of a frame, with what methods need beside them.
@@ -48,10 +66,11 @@ impl MatchSource {
         let wanted = Extras { costs: needs.costs, road: needs.road };
         let matching = match &mut self.origin {
             Origin::Folder(folder) => read_matching(folder, frame),
-            Origin::Exact(world) => exact_matching(world, frame.index()),
+            Origin::Exact(exact) => exact.matching(frame, self.mounting.filter(|_| wanted.road)),
             Origin::Matcher(matcher) => {
-                let recycled = self.recycled.take();
-                matcher.run(frame.left(), frame.right(), wanted, recycled).map_err(Into::into)
+                let ground = self.mounting.map(|m| GroundPlane::below(&m).disparities(frame.rig()));
+                let (left, right, recycled) = (frame.left(), frame.right(), self.recycled.take());
+                matcher.run(PairTask { left, right, wanted, ground, recycled }).map_err(Into::into)
             }
         };
         matching.with_context(|| format!("frame {}", frame.index()))
@@ -63,12 +82,33 @@ impl MatchSource {
     }
 }
 
-/// The true disparities of a world, where both cameras see the point.
-fn exact_matching(world: &World, frame: usize) -> Result<Matching> {
-    let view = LeftViewTruth::new(world, frame);
-    let seen = |pixel: &PixelTruth| if pixel.seen_by_right { pixel.disparity_px } else { f32::NAN };
-    let values = view.pixels().iter().map(seen).collect();
-    Ok(Matching::from_disparity(Disparity::new(view.width(), view.height(), values)?))
+impl Exact {
+    /// The true disparities, where both cameras see the point; road and obstacles apart, by their true heights over
+    /// the ground, if the mounting is given.
+    fn matching(&self, frame: &Frame, mounting: Option<Mounting>) -> Result<Matching> {
+        let view = LeftViewTruth::new(&self.world, frame.index());
+        let (width, height) = (view.width(), view.height());
+        let seen = |pixel: &PixelTruth| if pixel.seen_by_right { pixel.disparity_px } else { f32::NAN };
+        let values: Vec<f32> = view.pixels().iter().map(seen).collect();
+        let road = mounting.map(|mounting| self.split(frame, &GroundPlane::below(&mounting), &values));
+        let matches = Matches::from_disparity(Disparity::new(width, height, values)?);
+        Ok(Matching { road: road.transpose()?, ..Matching::from(matches) })
+    }
+
+    fn split(&self, frame: &Frame, ground: &GroundPlane, all: &[f32]) -> Result<RoadSplit> {
+        let rig = frame.rig();
+        let is_road = |pixel: usize| {
+            let (column, row) = ((pixel % rig.width) as f64, (pixel / rig.width) as f64);
+            let point = rig.ray(column, row) * rig.depth_m(f64::from(all[pixel]));
+            ground.height_of_m(&point).abs() < ROAD_WITHIN_M
+        };
+        let part = |wanted: bool| {
+            let value = |pixel: usize| if is_road(pixel) == wanted { all[pixel] } else { f32::NAN };
+            Disparity::new(rig.width, rig.height, (0..all.len()).map(value).collect())
+        };
+        let tried = self.tried.clone();
+        Ok(RoadSplit { road: part(true)?, obstacles: part(false)?, ground: ground.disparities(rig), tried })
+    }
 }
 
 /// A disparity image that comes from elsewhere.

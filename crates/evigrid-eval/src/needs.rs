@@ -55,5 +55,12 @@ pub(crate) fn mounting<'a>(
              found none (data set {id} does not tell it)"
         );
     }
+    if mounting.is_none() && config.stereo.needs_mounting() {
+        let id = &info.id;
+        bail!(
+            "input.mounting: expected [height_m, pitch_deg] for stereo.matcher double-correlation, found none (data \
+             set {id} does not tell it; stereo.double_correlation.ground=v-disparity finds it in the frames)"
+        );
+    }
     Ok(mounting)
 }

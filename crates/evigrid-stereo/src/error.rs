@@ -16,6 +16,12 @@ pub enum StereoError {
         /// Size of the pair.
         found: String,
     },
+    /// A matcher that looks for the ground, and nobody tells where it is.
+    #[error(
+        "stereo.matcher double-correlation: expected ground in the frame or a known mounting of the camera \
+         (input.mounting), found neither"
+    )]
+    NoGround,
     /// Two images of different size.
     #[error(transparent)]
     Images(#[from] CoreError),

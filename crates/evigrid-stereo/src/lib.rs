@@ -8,6 +8,7 @@
 
 mod block;
 mod buffers;
+mod double_correlation;
 mod error;
 mod graph_cuts;
 mod matcher;
@@ -16,10 +17,12 @@ mod multi_scale;
 mod pair_matcher;
 mod post_filter;
 mod pre_filter;
+mod rows;
 mod semi_global;
 mod winner;
 
 pub use block::{BlockMatcher, BlockMatchingSettings};
+pub use double_correlation::{DoubleCorrelationMatcher, DoubleCorrelationSettings, GroundSource};
 pub use error::StereoError;
 pub use graph_cuts::{GraphCutMatcher, GraphCutSettings};
 pub use matcher::Matcher;

@@ -4,7 +4,7 @@ use evigrid_core::{GrayImage, Matching};
 
 use crate::error::StereoError;
 use crate::matchers::StereoSettings;
-use crate::pair_matcher::{Extras, PairMatcher, PairTask};
+use crate::pair_matcher::{PairMatcher, PairTask};
 use crate::post_filter::{drop_matches, speckles};
 use crate::pre_filter::{PreFilter, texture};
 
@@ -25,24 +25,17 @@ impl Matcher {
         Ok(Self { pair_matcher: settings.pair_matcher()?, settings })
     }
 
-    /// Matches a pair: pre-filter, matcher, post-filters. Of the `wanted` extras come those that the matcher
-    /// offers ([`MatcherKind::offers`](crate::MatcherKind::offers)), without post-filters. `recycled` is the
-    /// result of an earlier frame, whose buffers are filled again. The result does not depend on the number
-    /// of threads.
+    /// Matches a pair: pre-filter, matcher, post-filters. Of the wanted extras come those that the matcher offers
+    /// ([`MatcherKind::offers`](crate::MatcherKind::offers)), without post-filters. The result does not depend on
+    /// the number of threads.
     ///
     /// # Errors
     /// If the images differ in size, or the matcher cannot match images of their size.
-    pub fn run(
-        &mut self,
-        left: &GrayImage,
-        right: &GrayImage,
-        wanted: Extras,
-        recycled: Option<Matching>,
-    ) -> Result<Matching, StereoError> {
-        let (filtered_left, filtered_right) = (self.pre_filtered(left)?, self.pre_filtered(right)?);
-        let task = PairTask { left: &filtered_left, right: &filtered_right, wanted, recycled };
-        let matching = self.pair_matcher.run(task)?;
-        self.post_filtered(left, matching)
+    pub fn run(&mut self, task: PairTask<'_>) -> Result<Matching, StereoError> {
+        let (left, right) = (self.pre_filtered(task.left)?, self.pre_filtered(task.right)?);
+        let filtered = PairTask { left: &left, right: &right, ..task };
+        let matching = self.pair_matcher.run(filtered)?;
+        self.post_filtered(task.left, matching)
     }
 
     fn pre_filtered<'a>(&self, image: &'a GrayImage) -> Result<Cow<'a, GrayImage>, StereoError> {

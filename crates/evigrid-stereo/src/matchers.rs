@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::block::{BlockMatcher, BlockMatchingSettings};
+use crate::double_correlation::{DoubleCorrelationMatcher, DoubleCorrelationSettings, GroundSource};
 use crate::error::StereoError;
 use crate::graph_cuts::{GraphCutMatcher, GraphCutSettings};
 use crate::multi_scale::{MultiScaleMatcher, MultiScaleSettings};
@@ -27,6 +28,9 @@ pub enum MatcherKind {
     /// Blocks at two or three scales, of which the coarser fill in what the finer do not match reliably
     /// (Small Vision System; Murarka and Kuipers 2009).
     MultiScale,
+    /// Blocks that stand upright and blocks that follow the ground, which tell obstacles from the road (Perrollaz
+    /// et al. 2012).
+    DoubleCorrelation,
     /// The true disparities of a synthetic world, where both cameras see the point. It looks at no image; a run
     /// takes them from the world.
     Exact,
@@ -34,8 +38,14 @@ pub enum MatcherKind {
 
 impl MatcherKind {
     /// All matchers, in the order of the list.
-    pub const ALL: [Self; 5] =
-        [Self::Block, Self::SemiGlobal, Self::GraphCuts, Self::MultiScale, Self::Exact];
+    pub const ALL: [Self; 6] = [
+        Self::Block,
+        Self::SemiGlobal,
+        Self::GraphCuts,
+        Self::MultiScale,
+        Self::DoubleCorrelation,
+        Self::Exact,
+    ];
 
     /// Name of the matcher in settings.
     pub fn name(self) -> &'static str {
@@ -44,6 +54,7 @@ impl MatcherKind {
             Self::SemiGlobal => "semi-global",
             Self::GraphCuts => "graph-cuts",
             Self::MultiScale => "multi-scale",
+            Self::DoubleCorrelation => "double-correlation",
             Self::Exact => "exact",
         }
     }
@@ -52,7 +63,8 @@ impl MatcherKind {
     pub fn offers(self) -> Extras {
         match self {
             Self::Block | Self::SemiGlobal => Extras { costs: true, road: false },
-            Self::GraphCuts | Self::MultiScale | Self::Exact => Extras { costs: false, road: false },
+            Self::GraphCuts | Self::MultiScale => Extras { costs: false, road: false },
+            Self::DoubleCorrelation | Self::Exact => Extras { costs: false, road: true },
         }
     }
 }
@@ -62,9 +74,9 @@ impl MatcherKind {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct StereoSettings {
-    /// block, semi-global, graph-cuts, multi-scale or, for synthetic worlds, exact. Unit: none. Source:
-    /// Brandao et al. IV (block); Souza et al. 4.1 (block, graph-cuts); Murarka and Kuipers 2009, III
-    /// (multi-scale).
+    /// block, semi-global, graph-cuts, multi-scale, double-correlation or, for synthetic worlds, exact. Unit: none.
+    /// Source: Brandao et al. IV (block); Souza et al. 4.1 (block, graph-cuts); Murarka and Kuipers 2009, III
+    /// (multi-scale); Perrollaz et al. 2012, 3.3 (double-correlation).
     pub matcher: MatcherKind,
     /// Edge of the square window over which absolute differences are summed (matchers block and
     /// multi-scale), and of that of the texture; odd. Unit: px. Source: Brandao et al. IV (7).
@@ -88,7 +100,7 @@ pub struct StereoSettings {
     /// levels. Source: OpenCV (textureThreshold).
     pub texture_threshold: usize,
     /// Drop matches for which a hypothesis that is no neighbour of the winner costs less than 100 / (100 -
-    /// this) times as much; 0: none. Matchers block and semi-global. Unit: percent. Source: OpenCV
+    /// this) times as much; 0: none. Matchers block, semi-global and double-correlation. Unit: percent. Source: OpenCV
     /// (uniquenessRatio: 5 to 15).
     pub uniqueness_percent: usize,
     /// Drop connected regions of at most so many pixels, before the methods' left-right check (OpenCV: after
@@ -103,6 +115,8 @@ pub struct StereoSettings {
     pub graph_cuts: GraphCutSettings,
     /// Matcher multi-scale. Unit: none. Source: Murarka and Kuipers 2009, III.
     pub multi_scale: MultiScaleSettings,
+    /// Matcher double-correlation. Unit: none. Source: Perrollaz et al. 2012, 3.3.
+    pub double_correlation: DoubleCorrelationSettings,
 }
 
 impl Default for StereoSettings {
@@ -123,6 +137,7 @@ impl Default for StereoSettings {
             semi_global: SemiGlobalSettings::default(),
             graph_cuts: GraphCutSettings::default(),
             multi_scale: MultiScaleSettings::default(),
+            double_correlation: DoubleCorrelationSettings::default(),
         }
     }
 }
@@ -137,6 +152,7 @@ impl StereoSettings {
         self.semi_global.checked()?;
         self.graph_cuts.checked()?;
         self.multi_scale.checked()?;
+        self.double_correlation.checked()?;
         self.check_filters()?;
         Ok(self)
     }
@@ -155,6 +171,12 @@ impl StereoSettings {
         let possible = step >= 0.0 && step.is_finite();
         require_setting(possible, "stereo", "speckle_step_px", "a finite number from 0", step)?;
         Ok(())
+    }
+
+    /// Whether matching needs to know how the camera stands over the ground.
+    pub fn needs_mounting(&self) -> bool {
+        self.matcher == MatcherKind::DoubleCorrelation
+            && self.double_correlation.ground == GroundSource::Mounting
     }
 
     /// The settings of block matching.
@@ -177,6 +199,10 @@ impl StereoSettings {
             MatcherKind::MultiScale => {
                 let matcher = MultiScaleMatcher::new(self.multi_scale, self.block())?;
                 Box::new(matcher.with_texture_cap(self.pre_filter_cap))
+            }
+            MatcherKind::DoubleCorrelation => {
+                let matcher = DoubleCorrelationMatcher::new(self.double_correlation, self.block())?;
+                Box::new(matcher.with_uniqueness(percent))
             }
             MatcherKind::Exact => return Err(no_images().into()),
         })

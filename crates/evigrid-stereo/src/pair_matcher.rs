@@ -1,6 +1,6 @@
 use std::fmt::Debug;
 
-use evigrid_core::{CoreError, GrayImage, Matching, SettingError, require_setting};
+use evigrid_core::{CoreError, DisparityPlane, GrayImage, Matching, SettingError, require_setting};
 
 use crate::error::StereoError;
 
@@ -23,8 +23,17 @@ pub struct PairTask<'a> {
     pub right: &'a GrayImage,
     /// What is wanted beyond the matches.
     pub wanted: Extras,
+    /// Disparities of the ground by the camera's mounting, where that is known.
+    pub ground: Option<DisparityPlane>,
     /// The result of an earlier frame, whose buffers are filled again.
     pub recycled: Option<Matching>,
+}
+
+impl<'a> PairTask<'a> {
+    /// A pair of which no ground is known, to be matched into new buffers.
+    pub fn new(left: &'a GrayImage, right: &'a GrayImage, wanted: Extras) -> Self {
+        Self { left, right, wanted, ground: None, recycled: None }
+    }
 }
 
 /// Parts of a [`Matching`] beyond the matches, which only some matchers have.

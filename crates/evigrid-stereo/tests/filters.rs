@@ -4,7 +4,7 @@
 use evigrid_core::{CostScale, Disparity, GrayImage, Matching, NO_COST};
 use evigrid_stereo::{
     BlockMatcher, BlockMatchingSettings, Extras, GraphCutMatcher, GraphCutSettings, Matcher, MatcherKind,
-    PreFilter, SemiGlobalMatcher, SemiGlobalSettings, StereoSettings, speckles, texture,
+    PairTask, PreFilter, SemiGlobalMatcher, SemiGlobalSettings, StereoSettings, speckles, texture,
 };
 use proptest::prelude::*;
 
@@ -129,15 +129,21 @@ fn without_filters_the_named_matcher_is_the_matcher() {
     let bits =
         |m: &Matching| -> Vec<u32> { m.matches.disparity.values().iter().map(|v| v.to_bits()).collect() };
     let block = BlockMatcher::new(settings.block()).unwrap().run(&left, &right, true, None).unwrap();
-    let named = Matcher::new(settings).unwrap().run(&left, &right, COSTS, None).unwrap();
+    let named = Matcher::new(settings).unwrap().run(PairTask::new(&left, &right, COSTS)).unwrap();
     assert_eq!((bits(&named), &named.volume), (bits(&block), &block.volume));
     let semi_global = StereoSettings { matcher: MatcherKind::SemiGlobal, ..settings };
-    let named = Matcher::new(semi_global).unwrap().run(&left, &right, COSTS, Some(named)).unwrap();
+    let named = Matcher::new(semi_global)
+        .unwrap()
+        .run(PairTask { recycled: Some(named), ..PairTask::new(&left, &right, COSTS) })
+        .unwrap();
     let mut plain = SemiGlobalMatcher::new(settings.semi_global, 0..20).unwrap();
     let plain = plain.run(&left, &right, true, None).unwrap();
     assert_eq!((bits(&named), &named.volume), (bits(&plain), &plain.volume));
     let graph_cuts = StereoSettings { matcher: MatcherKind::GraphCuts, ..settings };
-    let named = Matcher::new(graph_cuts).unwrap().run(&left, &right, COSTS, Some(named)).unwrap();
+    let named = Matcher::new(graph_cuts)
+        .unwrap()
+        .run(PairTask { recycled: Some(named), ..PairTask::new(&left, &right, COSTS) })
+        .unwrap();
     let plain = GraphCutMatcher::new(settings.graph_cuts, 0..20).unwrap();
     let plain = plain.run(&left, &right, None).unwrap();
     assert_eq!((bits(&named), &named.volume), (bits(&plain), &plain.volume));
@@ -149,7 +155,7 @@ fn matchers_give_the_extras_that_they_offer_and_no_others() {
     // Exact disparities come from a world, not from a pair.
     for matcher in MatcherKind::ALL.into_iter().filter(|&kind| kind != MatcherKind::Exact) {
         let settings = StereoSettings { matcher, disparities: 20, ..Default::default() };
-        let run = |wanted| Matcher::new(settings).unwrap().run(&left, &right, wanted, None).unwrap();
+        let run = |wanted| Matcher::new(settings).unwrap().run(PairTask::new(&left, &right, wanted)).unwrap();
         let all = run(Extras { costs: true, road: true });
         let given = Extras { costs: all.volume.is_some(), road: all.road.is_some() };
         assert_eq!(given, matcher.offers(), "{}", matcher.name());
@@ -162,7 +168,7 @@ fn matchers_give_the_extras_that_they_offer_and_no_others() {
 fn volumes_carry_the_unit_of_their_costs() {
     let (left, right) = (image(60, 20, 1), image(60, 20, 2));
     let scale = |settings| {
-        let volume = Matcher::new(settings).unwrap().run(&left, &right, COSTS, None).unwrap().volume;
+        let volume = Matcher::new(settings).unwrap().run(PairTask::new(&left, &right, COSTS)).unwrap().volume;
         volume.unwrap().scale()
     };
     let block = StereoSettings { disparities: 20, ..Default::default() };
@@ -182,7 +188,7 @@ fn filters_of_the_named_matcher_drop_matches() {
     let base = StereoSettings { disparities: 20, ..Default::default() };
     let count = |settings| {
         let mut matcher = Matcher::new(settings).unwrap();
-        matcher.run(&left, &right, Extras::default(), None).unwrap().matches.disparity.valid_count()
+        matcher.run(PairTask::new(&left, &right, Extras::default())).unwrap().matches.disparity.valid_count()
     };
     let all = count(base);
     assert_eq!(count(StereoSettings { texture_threshold: 100_000, ..base }), 0);
@@ -201,9 +207,9 @@ fn the_named_pre_filter_is_applied_to_both_images() {
         let [l, r] = [&left, &right]
             .map(|image| pre_filter.apply(image, base.pre_filter_cap, base.pre_filter_window).unwrap());
         let expected = BlockMatcher::new(base.block()).unwrap().run(&l, &r, true, None).unwrap();
-        let found = Matcher::new(settings).unwrap().run(&left, &right, COSTS, None).unwrap();
+        let found = Matcher::new(settings).unwrap().run(PairTask::new(&left, &right, COSTS)).unwrap();
         assert_eq!(found.volume, expected.volume);
-        let plain = Matcher::new(base).unwrap().run(&left, &right, COSTS, None).unwrap();
+        let plain = Matcher::new(base).unwrap().run(PairTask::new(&left, &right, COSTS)).unwrap();
         assert_ne!(found.volume, plain.volume);
     }
 }

@@ -8,7 +8,7 @@ use common::pair;
 use evigrid_core::{GrayImage, Matches, Matching};
 use evigrid_stereo::{
     BlockMatcher, BlockMatchingSettings, Extras, Matcher, MatcherKind, MultiScaleMatcher, MultiScaleSettings,
-    StereoSettings, texture,
+    PairTask, StereoSettings, texture,
 };
 use proptest::prelude::*;
 
@@ -240,12 +240,12 @@ fn the_named_matcher_takes_window_disparities_and_cap_of_the_settings() {
         multi_scale,
         ..Default::default()
     };
-    let named = Matcher::new(settings).unwrap().run(&left, &right, Extras::default(), None).unwrap();
+    let named = Matcher::new(settings).unwrap().run(PairTask::new(&left, &right, Extras::default())).unwrap();
     let plain = MultiScaleMatcher::new(multi_scale, settings.block()).unwrap();
     let capped = plain.with_texture_cap(20).run(&left, &right, None).unwrap();
     assert!(bits(&named) == bits(&capped));
     let other = StereoSettings { pre_filter_cap: 31, ..settings };
-    let other = Matcher::new(other).unwrap().run(&left, &right, Extras::default(), None).unwrap();
+    let other = Matcher::new(other).unwrap().run(PairTask::new(&left, &right, Extras::default())).unwrap();
     assert!(bits(&named) != bits(&other));
 }
 

@@ -54,7 +54,11 @@ impl Drive {
         let config = entry.config(&self.world)?;
         let settings = config.methods.of::<SafetyMapping>()?;
         let mapper = SafetyMapping::new(GridSpec::new(&config.grid)?, settings)?;
-        Ok(Mapping { matcher, mapper, source: MatchSource::new(&config, Some(&self.world))? })
+        Ok(Mapping {
+            matcher,
+            mapper,
+            source: MatchSource::new(&config, Some(self.mounting), Some(&self.world))?,
+        })
     }
 
     /// Matches a frame and adds it to a map. `done` is told when a stage of the frame is done.

@@ -204,7 +204,7 @@ mod tests {
         let config = entry.config(&drive.world).unwrap();
         let settings = config.methods.of::<SafetyMapping>().unwrap();
         let mut whole = SafetyMapping::new(GridSpec::new(&config.grid).unwrap(), settings).unwrap();
-        let mut source = MatchSource::new(&config, Some(&drive.world)).unwrap();
+        let mut source = MatchSource::new(&config, Some(drive.mounting), Some(&drive.world)).unwrap();
         let mut used = Vec::new();
         for index in [40, 60, 60, 80] {
             let clock = Counting::default();

@@ -8,7 +8,7 @@ use evigrid_core::{Disparity, Frame, MatchFilter, MatchLimits, Matches, Pose};
 use evigrid_eval::Clock;
 use evigrid_metrics::MatchingScores;
 use evigrid_replay::{Sequence, middlebury_truth};
-use evigrid_stereo::{Extras, Matcher};
+use evigrid_stereo::{Extras, Matcher, PairTask};
 use evigrid_synth::{LeftViewTruth, SyntheticSequence, World};
 use evigrid_truth::projected_disparity;
 
@@ -94,7 +94,8 @@ impl Contender {
             let mut last = None;
             for _ in 0..REPETITIONS {
                 let start = clock.now_ms();
-                last = Some(matcher.run(frame.left(), frame.right(), Extras::default(), last.take())?);
+                let task = PairTask::new(frame.left(), frame.right(), Extras::default());
+                last = Some(matcher.run(PairTask { recycled: last.take(), ..task })?);
                 fastest = fastest.min(clock.now_ms() - start);
                 if fastest > LONG_MS {
                     break;

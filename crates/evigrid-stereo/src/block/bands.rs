@@ -4,7 +4,7 @@ use super::job::Job;
 use crate::buffers::Buffers;
 
 /// Rows of the output that one task fills.
-pub(super) struct Band<'a> {
+pub(crate) struct Band<'a> {
     pub first_row: usize,
     pub disparity: &'a mut [f32],
     pub peak_ratio: &'a mut [f32],
@@ -13,7 +13,7 @@ pub(super) struct Band<'a> {
 }
 
 /// The rows whose window fits into the image, cut into bands of `band_rows` rows.
-pub(super) fn bands<'a>(out: &'a mut Buffers, job: &Job<'_>, band_rows: usize) -> Vec<Band<'a>> {
+pub(crate) fn bands<'a>(out: &'a mut Buffers, job: &Job<'_>, band_rows: usize) -> Vec<Band<'a>> {
     let (width, top) = (job.width(), job.settings.radius());
     let pixels = top * width..(top + job.rows()) * width;
     let row_len = job.shape().volume_row_len();
@@ -38,7 +38,7 @@ pub(super) fn bands<'a>(out: &'a mut Buffers, job: &Job<'_>, band_rows: usize) -
 
 /// Writes "no match" into the rows above and below the first and last window, over the values of an earlier
 /// frame.
-pub(super) fn clear_border(out: &mut Buffers, job: &Job<'_>) {
+pub(crate) fn clear_border(out: &mut Buffers, job: &Job<'_>) {
     let (top, row_len) = (job.settings.radius(), job.shape().volume_row_len());
     for rows in [0..top, top + job.rows()..job.left.height()] {
         let pixels = rows.start * job.width()..rows.end * job.width();

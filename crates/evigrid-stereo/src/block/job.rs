@@ -7,7 +7,7 @@ use crate::pair_matcher::require_same_size;
 use crate::winner::LANES;
 
 /// One pair to match.
-pub(super) struct Job<'a> {
+pub(crate) struct Job<'a> {
     pub settings: BlockMatchingSettings,
     pub uniqueness_percent: u32,
     pub left: &'a GrayImage,

@@ -5,23 +5,24 @@ use multiversion::multiversion;
 
 use super::bands::Band;
 use super::job::Job;
-use super::rows::{RowPair, add_differences, slide_differences, window_sums};
+use crate::rows::{Halves, RowPair, add_differences, slide_differences, window_sums};
 use crate::winner::{LANES, RowCosts, is_unique, peak_ratio};
 
 /// Working memory of one task.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+pub(crate) struct Scratch {
     /// Sum of absolute differences down the window, `[disparity][column]`.
     columns: Vec<u16>,
     /// Costs of the current row, `[disparity][stride]`.
-    costs: Vec<u16>,
+    pub costs: Vec<u16>,
+    halves: Halves,
     /// Winner of every pixel of the current row, and of the right image's pixels.
-    left_index: Vec<u16>,
+    pub left_index: Vec<u16>,
     right_index: Vec<u16>,
 }
 
 impl Scratch {
-    fn reset(&mut self, job: &Job<'_>) {
+    pub fn reset(&mut self, job: &Job<'_>) {
         let (d, w) = (job.settings.disparities, job.width());
         self.columns.clear();
         self.columns.resize(d * w, 0);
@@ -60,7 +61,7 @@ pub(super) fn match_rows(job: &Job<'_>, mut band: Band<'_>, scratch: &mut Scratc
 
 /// Column sums for the window around row `y`.
 #[inline(always)]
-fn update_columns(job: &Job<'_>, y: usize, first: bool, scratch: &mut Scratch) {
+pub(crate) fn update_columns(job: &Job<'_>, y: usize, first: bool, scratch: &mut Scratch) {
     let (radius, width) = (job.settings.radius(), job.width());
     for (d, columns) in scratch.columns.chunks_exact_mut(width).enumerate() {
         let shift = (job.settings.min_disparity + d).min(width);
@@ -80,7 +81,7 @@ fn update_columns(job: &Job<'_>, y: usize, first: bool, scratch: &mut Scratch) {
 
 /// Costs of the current row from its column sums.
 #[inline(always)]
-fn update_costs(job: &Job<'_>, scratch: &mut Scratch) {
+pub(crate) fn update_costs(job: &Job<'_>, scratch: &mut Scratch) {
     let (window, radius, width) = (job.settings.window, job.settings.radius(), job.width());
     let (shift_bits, stride) = (job.settings.cost_shift(), job.stride());
     let columns = scratch.columns.chunks_exact(width);
@@ -88,14 +89,14 @@ fn update_costs(job: &Job<'_>, scratch: &mut Scratch) {
         let shift = job.settings.min_disparity + d;
         if shift + window <= width {
             let fits = shift + radius..width - radius;
-            window_sums(&columns[shift..], window, shift_bits, &mut costs[fits]);
+            window_sums(&columns[shift..], window, shift_bits, &mut scratch.halves, &mut costs[fits]);
         }
     }
 }
 
 /// Disparity, peak ratio and left-right difference of the current row.
 #[inline(always)]
-fn search_row(
+pub(crate) fn search_row(
     job: &Job<'_>,
     scratch: &mut Scratch,
     disparity: &mut [f32],

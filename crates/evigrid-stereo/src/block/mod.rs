@@ -1,9 +1,8 @@
 //! Block matching by the sum of absolute differences (SAD).
 
-mod bands;
-mod job;
-mod match_rows;
-mod rows;
+pub(crate) mod bands;
+pub(crate) mod job;
+pub(crate) mod match_rows;
 mod settings;
 
 use evigrid_core::{GrayImage, Matching};

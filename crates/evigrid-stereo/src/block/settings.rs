@@ -45,13 +45,13 @@ impl BlockMatchingSettings {
     }
 
     /// Pixels from the window's centre to its edge.
-    pub(super) fn radius(&self) -> usize {
+    pub(crate) fn radius(&self) -> usize {
         self.window / 2
     }
 
     /// Costs are stored as u16. The sum over a window of up to 15x15 fits; that over a larger one is stored
     /// divided by the smallest power of two that makes it fit. This is the exponent.
-    pub(super) fn cost_shift(&self) -> u32 {
+    pub(crate) fn cost_shift(&self) -> u32 {
         let largest = 255 * self.window * self.window;
         (0..32).find(|&s| (largest >> s) < usize::from(u16::MAX)).unwrap_or(31)
     }

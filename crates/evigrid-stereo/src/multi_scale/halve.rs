@@ -3,7 +3,7 @@ use rayon::prelude::*;
 
 /// The image at half its resolution: each pixel is the mean of 2x2 pixels, rounded to the nearest whole
 /// number (halves up). A last odd row or column is left out; the image has at least 2x2 pixels.
-pub(super) fn halved(image: &GrayImage) -> Result<GrayImage, CoreError> {
+pub(crate) fn halved(image: &GrayImage) -> Result<GrayImage, CoreError> {
     let (width, height) = (image.width() / 2, image.height() / 2);
     let mut pixels = vec![0; width * height];
     pixels.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(y, out)| {

@@ -7,8 +7,8 @@
 //! (`fill.rs`): those that are not reliable are replaced by the reading of the next coarser scale.
 
 mod fill;
-mod halve;
-mod settings;
+pub(crate) mod halve;
+pub(crate) mod settings;
 
 use evigrid_core::{GrayImage, Matches, Matching, require_setting};
 

@@ -51,7 +51,7 @@ impl MultiScaleSettings {
 
 /// Block matching of a pair that is half as large: the same window, and the disparities that lie, doubled,
 /// within the range, or just outside of it.
-pub(super) fn halved_hypotheses(block: BlockMatchingSettings) -> BlockMatchingSettings {
+pub(crate) fn halved_hypotheses(block: BlockMatchingSettings) -> BlockMatchingSettings {
     let min_disparity = block.min_disparity / 2;
     let largest = (block.min_disparity + block.disparities - 1).div_ceil(2);
     BlockMatchingSettings { min_disparity, disparities: largest - min_disparity + 1, ..block }
