@@ -28,7 +28,7 @@ pub use layer::{Layer, LayerKind};
 pub use log_odds::{Clamp, LogOddsGrid, logit, probability};
 pub use mapper::{MapError, Mapper, MapperFamily};
 pub use method::{Method, Needs};
-pub use plan_grid::PlanGrid;
+pub use plan_grid::{CellVelocity, PlanGrid};
 pub use plane_fit::{Moments, Plane};
 pub use project::{levels_in_band, projected};
 pub use ray_batch::RayBatch;

@@ -10,6 +10,16 @@ pub struct PlanGrid {
     /// Where the plan lies in the map frame: the identity for one that is fixed there.
     map_from_plan: Isometry2<f64>,
     probabilities: Vec<f32>,
+    velocities: Option<Vec<CellVelocity>>,
+}
+
+/// How a cell of a plan moves, if it is occupied.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CellVelocity {
+    /// Its most probable velocity along the axes of the plan, m/s.
+    pub mode_mps: [f32; 2],
+    /// Standard deviation of its velocity around the mean, m/s.
+    pub spread_mps: f32,
 }
 
 impl PlanGrid {
@@ -20,7 +30,8 @@ impl PlanGrid {
 
     /// A plan that moves with the vehicle, nothing known; `map_from_plan` says where it is now.
     pub fn moving(spec: PlanSpec, map_from_plan: Isometry2<f64>) -> Self {
-        Self { spec, map_from_plan, probabilities: vec![f32::NAN; spec.cell_count()] }
+        let probabilities = vec![f32::NAN; spec.cell_count()];
+        Self { spec, map_from_plan, probabilities, velocities: None }
     }
 
     /// The geometry of the cells, in the plan's own frame.
@@ -46,6 +57,20 @@ impl PlanGrid {
     /// P(occupied) by flat index, to be set.
     pub fn probabilities_mut(&mut self) -> &mut [f32] {
         &mut self.probabilities
+    }
+
+    /// How each cell moves, by flat index, where the method says so.
+    pub fn velocities(&self) -> Option<&[CellVelocity]> {
+        self.velocities.as_deref()
+    }
+
+    /// Says how each cell moves.
+    ///
+    /// # Panics
+    /// If there are not as many velocities as cells.
+    pub fn set_velocities(&mut self, velocities: Vec<CellVelocity>) {
+        assert_eq!(velocities.len(), self.spec.cell_count(), "one velocity per cell");
+        self.velocities = Some(velocities);
     }
 
     /// Centre of a cell in the map frame, metres.

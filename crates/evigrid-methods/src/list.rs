@@ -3,6 +3,7 @@
 use evigrid_cost_curve::{CostCurve, CostCurveBayes, WinnerTakeAll};
 use evigrid_inverse_model::{Line, LinePyramid, Ray, RayPyramid, Souza};
 use evigrid_safety_map::{SafetyMapping, SafetyMappingPlus};
+use evigrid_udisparity::{Ternary, Visibility, VisibilityFiltered};
 
 use crate::Entry;
 
@@ -18,4 +19,7 @@ pub(crate) const BUILT_IN: &[Entry] = &[
     Entry::of::<Souza>(),
     Entry::of::<SafetyMapping>(),
     Entry::of::<SafetyMappingPlus>(),
+    Entry::of::<Visibility>(),
+    Entry::of::<VisibilityFiltered>(),
+    Entry::of::<Ternary>(),
 ];
