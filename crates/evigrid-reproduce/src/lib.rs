@@ -15,6 +15,7 @@ mod image_view;
 mod job;
 mod journey;
 mod murarka;
+mod perrollaz;
 mod picture;
 mod profile;
 mod recording;
@@ -97,7 +98,8 @@ impl std::fmt::Debug for Group {
 }
 
 /// All groups: the one list.
-pub const GROUPS: &[Group] = &[worlds::GROUP, andert::GROUP, souza::GROUP, brandao::GROUP, murarka::GROUP];
+pub const GROUPS: &[Group] =
+    &[worlds::GROUP, andert::GROUP, souza::GROUP, brandao::GROUP, murarka::GROUP, perrollaz::GROUP];
 
 /// Makes everything of a group, or one item of it (`GROUP/ITEM`), and names the files it wrote.
 ///

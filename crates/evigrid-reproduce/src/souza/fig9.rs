@@ -6,7 +6,7 @@ use evigrid_eval::Config;
 use evigrid_grid::{GridSpec, LogOddsGrid};
 use evigrid_inverse_model::{InverseModelMapper, Souza};
 use evigrid_replay::{Sequence, map_from_world};
-use evigrid_stereo::Extras;
+use evigrid_stereo::{Extras, PairTask};
 use evigrid_synth::{SyntheticSequence, VoxelState, VoxelTruth, World};
 use nalgebra::Point3;
 use plotters::prelude::RGBColor;
@@ -73,7 +73,7 @@ pub fn make(job: &mut Job<'_, '_>) -> Result<()> {
 impl Shot {
     fn new(frame: &Frame, matcher: &Matcher, config: &Config, truth: &VoxelTruth) -> Result<Self> {
         let mut matching = evigrid_stereo::Matcher::new(config.stereo)?;
-        let matching = matching.run(frame.left(), frame.right(), Extras::default(), None)?;
+        let matching = matching.run(PairTask::new(frame.left(), frame.right(), Extras::default()))?;
         let (spec, settings) = (GridSpec::new(&config.grid)?, config.methods.of::<Souza>()?);
         let view = View::new(frame, None, &matching);
         let (map, _) = InverseModelMapper::souza(spec, settings)?.single_image(&view);
