@@ -46,7 +46,7 @@ fn score_labels(map: &Path, truth: &Path) -> Result<()> {
     check_same_cells((&found, map), (&true_labels, truth))?;
     let case = SafetyCase::new(&found, &SafetyReference::new(true_labels), None);
     let scores = vec![Scores::safety(&case)];
-    let result = MethodResult { method: map_name(map), scores, safety: None };
+    let result = MethodResult { method: map_name(map), scores, safety: None, plan: None };
     print(&markdown_table(&[result], LayerKind::Safety))
 }
 

@@ -5,6 +5,7 @@
 mod clock;
 mod colours;
 mod config;
+mod frame_plan;
 mod frame_range;
 mod lane;
 mod match_source;

@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use evigrid_core::{Frame, Matching};
 use evigrid_grid::{HybridModel, Layer, LayerKind, Needs};
 use evigrid_methods::Family;
-use evigrid_metrics::{SafetyTally, Scores};
+use evigrid_metrics::{PlanTally, SafetyTally, Scores};
 use evigrid_results::{MethodMaps, MethodResult, RunResult, StageTime};
 
 use crate::lane::Lane;
@@ -64,7 +64,7 @@ impl<'a> Entrant<'a> {
         let (a, b) = (self.config(), other.config());
         let same_ground =
             a.score.plan_band_m == b.score.plan_band_m && self.job.mounting == other.job.mounting;
-        let same_kinds = self.job.shows(LayerKind::Safety) == other.job.shows(LayerKind::Safety);
+        let same_kinds = LayerKind::ALL.into_iter().all(|kind| self.job.shows(kind) == other.job.shows(kind));
         let same_robot = a.score.safety_radius_m == b.score.safety_radius_m
             && a.score.safety_robot_height_m == b.score.safety_robot_height_m;
         a.grid == b.grid && a.truth == b.truth && same_ground && same_kinds && same_robot
@@ -108,6 +108,8 @@ pub(crate) struct Pass<'a> {
     /// For each entrant its safety map, counted over all frames so far; `None` while there was nothing to
     /// count.
     safety: Vec<Option<SafetyTally>>,
+    /// For each entrant its plan, counted likewise.
+    plans: Vec<Option<PlanTally>>,
 }
 
 /// A frame that has been integrated.
@@ -155,8 +157,8 @@ impl<'a> Pass<'a> {
             truths.push(Truth::new(entrants[group[0]].job, recording)?);
             group.into_iter().for_each(|i| places[i].truth = truth);
         }
-        let safety = vec![None; entrants.len()];
-        Ok(Self { entrants, places, lanes: Vec::new(), truths, safety })
+        let (safety, plans) = (vec![None; entrants.len()], vec![None; entrants.len()]);
+        Ok(Self { entrants, places, lanes: Vec::new(), truths, safety, plans })
     }
 
     /// Adds the maps of entrants of one method on one grid.
@@ -211,6 +213,11 @@ impl<'a> Pass<'a> {
             lane.integrate(frame, order, times).with_context(|| format!("frame {}", frame.index()))?;
         }
         times.stage("truth", None, || self.truths.iter_mut().for_each(|truth| truth.add(frame)));
+        for number in 0..self.len() {
+            let mut tally = self.plans[number].take();
+            self.truth(number).tally_plan(&self.layers(number), &mut tally);
+            self.plans[number] = tally;
+        }
         (0..self.len()).try_for_each(|number| self.count_safety(number, frame))
     }
 
@@ -282,9 +289,9 @@ impl<'a> Pass<'a> {
     pub fn method_result(&self, number: usize, layers: &[Layer<'_>]) -> MethodResult {
         let entrant = &self.entrants[number];
         let tolerances_m = &entrant.job.info.tolerances_m;
-        let safety = self.safety[number].clone();
-        let scores = self.truth(number).final_scores(layers, tolerances_m, safety.as_ref());
-        MethodResult { method: entrant.name().to_owned(), scores, safety }
+        let (safety, plan) = (self.safety[number].clone(), self.plans[number].clone());
+        let scores = self.truth(number).final_scores(layers, tolerances_m, safety.as_ref(), plan.as_ref());
+        MethodResult { method: entrant.name().to_owned(), scores, safety, plan }
     }
 
     /// The result of a run with these methods, whose times nobody took.

@@ -5,12 +5,14 @@ use evigrid_core::{Frame, Mounting, Pose};
 use evigrid_grid::safe_ground::SafetyRules;
 use evigrid_grid::{GridSpec, Layer, LayerKind, PlanGrid, SafetyMap, levels_in_band, projected};
 use evigrid_metrics::{
-    NamedArea, PlanReference, PlanningDisc, SafetyCase, SafetyReference, SafetyTally, Scores, VoxelReference,
+    NamedArea, PlanReference, PlanTally, PlanningDisc, SafetyCase, SafetyReference, SafetyTally, Scores,
+    VoxelReference,
 };
 use evigrid_results::TruthFile;
 use evigrid_synth::{Hazard, SafetyTruth, VoxelState, VoxelTruth, World, hazards_or_nothing};
 use evigrid_truth::{LaserSafety, LaserTruth, RobotPlace, TruthSettings, TruthSource};
 
+use crate::frame_plan::FramePlans;
 use crate::plan::RunJob;
 use crate::{Config, Recording};
 
@@ -22,6 +24,8 @@ pub struct Truth {
     robot: Robot,
     /// Levels of voxels that make up the ground plan; `None` if nobody tells where the ground is.
     band: Option<Range<usize>>,
+    /// What the laser of the last frame says of the ground, in runs with a method that shows plans.
+    frames: Option<FramePlans>,
     without_laser: Vec<usize>,
 }
 
@@ -87,7 +91,13 @@ impl Truth {
         let safety = safety_reference(job, recording)?;
         let radius_m = config.score.safety_radius_m;
         let robot = Robot { mounting: job.mounting, radius_m, ..Robot::default() };
-        Ok(Self { voxels, safety, robot, band, without_laser: Vec::new() })
+        let frames = match (job.mounting, band.clone()) {
+            (Some(mounting), Some(levels)) if job.shows(LayerKind::Plan) => {
+                FramePlans::new(&spec, config, mounting, levels)
+            }
+            _ => None,
+        };
+        Ok(Self { voxels, safety, robot, band, frames, without_laser: Vec::new() })
     }
 
     /// A truth of voxels alone, from the laser scans of the frames that are added.
@@ -97,12 +107,15 @@ impl Truth {
     pub fn laser(spec: GridSpec, settings: TruthSettings) -> Result<Self> {
         let voxels = Voxels::Laser(LaserTruth::new(spec, settings)?);
         let (safety, robot) = (None, Robot::default());
-        Ok(Self { voxels, safety, robot, band: None, without_laser: Vec::new() })
+        Ok(Self { voxels, safety, robot, band: None, frames: None, without_laser: Vec::new() })
     }
 
     /// Adds a frame: its scan, if it has one, and the place of the robot.
     pub fn add(&mut self, frame: &Frame) {
         self.robot.at(frame.map_from_left());
+        if let Some(frames) = &mut self.frames {
+            frames.add(frame);
+        }
         match (&mut self.voxels, frame.laser()) {
             (Voxels::Laser(truth), Some(scan)) => truth.add_scan(scan),
             (Voxels::Laser(_), None) => self.without_laser.push(frame.index()),
@@ -150,6 +163,14 @@ impl Truth {
         }
     }
 
+    /// Counts the plan of a map after the last frame against what the laser of that frame says, in runs with a method
+    /// that shows plans.
+    pub(crate) fn tally_plan(&self, layers: &[Layer<'_>], tally: &mut Option<PlanTally>) {
+        if let Some(frames) = &self.frames {
+            frames.count(layers, tally);
+        }
+    }
+
     /// How many laser scans are in it.
     pub fn scans(&self) -> usize {
         match &self.voxels {
@@ -176,12 +197,13 @@ impl Truth {
 
     /// Scores of the layers of one map at the end of a run. A map without a plan of its own is projected to
     /// one, so that all methods stand in one two-dimensional table. Those of the safety map are the sums over
-    /// all frames, `safety`.
+    /// all frames, `safety`; those of the plan get what was counted frame by frame, `plan`.
     pub(crate) fn final_scores(
         &self,
         layers: &[Layer<'_>],
         tolerances_m: &[f64],
         safety: Option<&SafetyTally>,
+        plan: Option<&PlanTally>,
     ) -> Vec<Scores> {
         let others = layers.iter().filter(|layer| layer.kind() != LayerKind::Safety);
         let own = others.filter_map(|layer| self.score(layer, tolerances_m, Scores::voxels_at_end));
@@ -191,6 +213,10 @@ impl Truth {
         let voxels = layers.iter().find_map(Layer::voxels);
         if let (false, Some(map), Some(levels)) = (has_plan, voxels, self.band.clone()) {
             scores.extend(self.plan_scores(&projected(map, levels)));
+        }
+        let plans = scores.iter_mut().filter(|scores| scores.kind == LayerKind::Plan);
+        if let Some(tally) = plan {
+            plans.for_each(|scores| scores.add_frames(tally));
         }
         scores
     }

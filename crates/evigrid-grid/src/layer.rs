@@ -57,6 +57,14 @@ impl<'a> Layer<'a> {
         }
     }
 
+    /// The plan, if this is such a layer.
+    pub fn plan(&self) -> Option<&PlanGrid> {
+        match self {
+            Self::Plan(map) => Some(map),
+            Self::Voxels(_) | Self::Safety(_) => None,
+        }
+    }
+
     /// The safety map, if this is such a layer.
     pub fn safety(&self) -> Option<&SafetyMap> {
         match self {

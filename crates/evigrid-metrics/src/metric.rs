@@ -1,6 +1,6 @@
 use evigrid_grid::LayerKind;
 
-use crate::{Curve, METRICS, PlanCase, SafetyCase, Tolerant, VoxelCase};
+use crate::{Curve, METRICS, PlanCase, PlanTally, SafetyCase, Tolerant, VoxelCase};
 
 /// Direction in which a metric gets better.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,6 +68,8 @@ pub enum Of {
     VoxelsAtEnd(fn(&VoxelCase<'_>, &Curve) -> f64),
     /// From a ground plan.
     Plan(fn(&PlanCase<'_>) -> f64),
+    /// From the plans of all frames, each against the laser of its frame, at the end of a run.
+    PlanFrames(fn(&PlanTally) -> f64),
     /// From a safety map after a frame, and from the sums over all frames at the end of a run.
     Safety(fn(&SafetyCase) -> f64),
     /// Measured by the loop of a run.
@@ -79,7 +81,7 @@ impl Of {
     pub fn layer(&self) -> Option<LayerKind> {
         match self {
             Self::Voxels(_) | Self::VoxelsWithin(_) | Self::VoxelsAtEnd(_) => Some(LayerKind::Voxels),
-            Self::Plan(_) => Some(LayerKind::Plan),
+            Self::Plan(_) | Self::PlanFrames(_) => Some(LayerKind::Plan),
             Self::Safety(_) => Some(LayerKind::Safety),
             Self::Run => None,
         }

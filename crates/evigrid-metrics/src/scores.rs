@@ -1,8 +1,8 @@
 use evigrid_grid::{LayerKind, PlanGrid};
 
 use crate::{
-    Curve, Kind, METRICS, Metric, Of, PlanCase, PlanReference, SafetyCase, Show, VoxelCase, VoxelReference,
-    curve, within_tolerance,
+    Curve, Kind, METRICS, Metric, Of, PlanCase, PlanReference, PlanTally, SafetyCase, Show, VoxelCase,
+    VoxelReference, curve, within_tolerance,
 };
 
 /// The value of one metric.
@@ -105,6 +105,14 @@ impl Scores {
         })
     }
 
+    /// Adds what was counted frame by frame to the scores of a plan.
+    pub fn add_frames(&mut self, tally: &PlanTally) {
+        self.list.extend(scores(None, |of| match of {
+            Of::PlanFrames(f) => Some(f(tally)),
+            _ => None,
+        }));
+    }
+
     /// Scores of a safety map that was counted against the true one, after a frame or over all of them.
     pub fn safety(case: &SafetyCase) -> Self {
         Self::of_case(LayerKind::Safety, |of| match of {
@@ -139,7 +147,9 @@ impl Scores {
             METRICS.iter().filter(move |m| holds(&m.of)).map(move |m| column(m, within_m))
         };
         match kind {
-            LayerKind::Plan => names(None, |of| matches!(of, Of::Plan(_))).collect(),
+            LayerKind::Plan => names(None, |of| matches!(of, Of::Plan(_)))
+                .chain(names(None, |of| matches!(of, Of::PlanFrames(_))).filter(|_| at_end))
+                .collect(),
             LayerKind::Safety => names(None, |of| matches!(of, Of::Safety(_))).collect(),
             LayerKind::Voxels => {
                 let within = |&t: &f64| names(Some(t), |of| matches!(of, Of::VoxelsWithin(_)));

@@ -1,3 +1,4 @@
+use crate::PlanTally;
 use crate::base_rows::{COUNT, ERROR_RATE, RATE, REFERENCE, TIME};
 use crate::metric::{Better, Metric, Of, Show, Tolerance};
 
@@ -177,6 +178,47 @@ pub const METRICS: &[Metric] = &[
         show: Show::Table("AUC"),
         of: Of::Plan(|c| c.auc()),
         ..RATE
+    },
+    Metric {
+        name: "plan_frames_auc",
+        formula: "as plan_auc, over the plans of all frames, each against the laser of its own frame, on the cells \
+                  within 20 m that the laser knows and the camera looks at",
+        show: Show::Table("AUC, frame by frame"),
+        of: Of::PlanFrames(|t| t.all().auc()),
+        ..RATE
+    },
+    Metric {
+        name: "plan_frames_auc_off_borders",
+        formula: "plan_frames_auc without free cells that have an occupied one beside them",
+        of: Of::PlanFrames(|t| t.all().auc_off_borders()),
+        ..RATE
+    },
+    Metric {
+        name: "plan_frames_band_f1",
+        formula: "mean over the bands of 5 m up to 20 m of the best F1 that a threshold of its own gives each",
+        show: Show::Table("F1 by bands"),
+        of: Of::PlanFrames(PlanTally::band_mean_f1),
+        ..RATE
+    },
+    Metric {
+        name: "plan_frames_average_precision",
+        formula: "sum over the thresholds of the rise in recall times the precision there, cells as plan_frames_auc",
+        of: Of::PlanFrames(|t| t.all().average_precision()),
+        ..RATE
+    },
+    Metric {
+        name: "plan_frames_log_loss",
+        formula: "mean of -log P of what is so, P within 0.001 and 0.999, cells as plan_frames_auc; 0.693 for a plan \
+                  that knows nothing",
+        show: Show::Table("log loss"),
+        of: Of::PlanFrames(|t| t.all().log_loss()),
+        ..ERROR_RATE
+    },
+    Metric {
+        name: "plan_frames_brier",
+        formula: "mean square of P - truth (Brier 1950), cells as plan_frames_auc; 0.25 for a plan that knows nothing",
+        of: Of::PlanFrames(|t| t.all().brier()),
+        ..ERROR_RATE
     },
     Metric {
         name: "safety_fn_rate",

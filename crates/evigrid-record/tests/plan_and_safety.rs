@@ -92,7 +92,7 @@ fn record(path: &Path) {
         Step { position: 0, frame: &frame, matching: Some(&matching), truth: &truth, methods: &methods };
     recorder.frame(&step).unwrap();
     let result = RunResult {
-        methods: vec![MethodResult { method: "toy".into(), scores: Vec::new(), safety: None }],
+        methods: vec![MethodResult { method: "toy".into(), scores: Vec::new(), safety: None, plan: None }],
         frames: 1,
         without_laser: vec![7],
         wall_ms: 0.0,

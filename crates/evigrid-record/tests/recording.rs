@@ -82,6 +82,7 @@ fn record(path: &Path, whole: bool) {
         method: name.into(),
         scores: vec![Scores::voxels_at_end(map.values(), &reference, &[])],
         safety: None,
+        plan: None,
     });
     let result = RunResult {
         methods: methods.to_vec(),

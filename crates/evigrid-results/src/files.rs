@@ -21,6 +21,12 @@ pub const SAFETY_TRUTH: &str = "truth.safety.npz";
 pub const SAFETY_PLACES: &str = "places.safety.csv";
 /// Named hazards and safe areas in the safety maps of a run.
 pub const HAZARDS: &str = "hazards.safety.csv";
+/// Ground plans counted frame by frame: by distance, by probability, and over the threshold.
+pub const PLAN_BANDS: &str = "bands.plan.csv";
+/// See [`PLAN_BANDS`].
+pub const PLAN_RELIABILITY: &str = "reliability.plan.csv";
+/// See [`PLAN_BANDS`].
+pub const PLAN_ROC: &str = "roc.plan.csv";
 /// Hits against mistakes over the threshold, one file per method.
 pub const CURVE: FileNames = FileNames { before: "curve.", after: ".csv" };
 /// A safety map as a picture for ROS's map_server, one file per method.
@@ -92,6 +98,7 @@ pub fn is_of_run(name: &str) -> bool {
     let of_layer = |kind| name == frames(kind) || name == summary(kind) || map(kind).contain(name);
     [CONFIG, RECORDING, RUN, SUMMARY_PAGE, TIMING, TRUTH, SAFETY_TRUTH, SAFETY_PLACES, HAZARDS]
         .contains(&name)
+        || [PLAN_BANDS, PLAN_RELIABILITY, PLAN_ROC].contains(&name)
         || [CURVE, ROS_PICTURE, ROS_YAML, MODEL].iter().any(|names| names.contain(name))
         || LayerKind::ALL.into_iter().any(of_layer)
 }
@@ -111,9 +118,14 @@ mod tests {
         for name in ["map.line.npz", "plan.a-b.npz", "curve.x.csv", "summary.plan.csv", "truth.safety.npz"] {
             assert!(is_of_run(name), "{name}");
         }
-        for name in
-            ["map.a-b.pgm", "map.a-b.yaml", "model.a-b.ply", "places.safety.csv", "hazards.safety.csv"]
-        {
+        for name in [
+            "map.a-b.pgm",
+            "map.a-b.yaml",
+            "model.a-b.ply",
+            "places.safety.csv",
+            "hazards.safety.csv",
+            "roc.plan.csv",
+        ] {
             assert!(is_of_run(name), "{name}");
         }
         for name in [

@@ -1,5 +1,5 @@
 use evigrid_grid::{GridSpec, HybridModel, Layer, LayerKind, SafetyMap};
-use evigrid_metrics::{SafetyTally, Scores, VoxelReference};
+use evigrid_metrics::{PlanTally, SafetyTally, Scores, VoxelReference};
 use serde_json::Value;
 
 /// Description of a run before its first frame.
@@ -70,6 +70,8 @@ pub struct MethodResult {
     pub scores: Vec<Scores>,
     /// Its safety map by place and by hazard, summed over frames; `None` if it was not scored.
     pub safety: Option<SafetyTally>,
+    /// Its ground plan counted frame by frame; `None` if it was not.
+    pub plan: Option<PlanTally>,
 }
 
 impl MethodResult {
@@ -103,6 +105,11 @@ impl RunResult {
     /// Each method whose safety map was scored, by name.
     pub(crate) fn safety(&self) -> impl Iterator<Item = (&str, &SafetyTally)> {
         self.methods.iter().filter_map(|method| Some((method.method.as_str(), method.safety.as_ref()?)))
+    }
+
+    /// Each method whose plan was counted frame by frame, by name.
+    pub(crate) fn plans(&self) -> impl Iterator<Item = (&str, &PlanTally)> {
+        self.methods.iter().filter_map(|method| Some((method.method.as_str(), method.plan.as_ref()?)))
     }
 
     /// Whether any method has scores of a kind of layer.

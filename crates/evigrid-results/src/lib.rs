@@ -15,6 +15,7 @@ mod map_files;
 mod model_file;
 pub mod npz;
 mod outputs;
+mod plan_tables;
 mod ros_map;
 mod run_file;
 mod safety_tables;

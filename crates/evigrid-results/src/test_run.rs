@@ -89,8 +89,12 @@ pub fn result() -> RunResult {
     let voxels = Scores::voxels_at_end(voxels().values(), &truth, &info.tolerances_m);
     let plan = Scores::plan(&plan(), &plan_truth);
     let safety = safety_scores();
-    let method =
-        |name: &str, scores: Vec<Scores>, safety| MethodResult { method: name.to_owned(), scores, safety };
+    let method = |name: &str, scores: Vec<Scores>, safety| MethodResult {
+        method: name.to_owned(),
+        scores,
+        safety,
+        plan: None,
+    };
     RunResult {
         methods: vec![
             method("line", vec![voxels.clone(), plan.clone()], None),

@@ -6,6 +6,7 @@ use evigrid_grid::LayerKind;
 use serde_json::Value;
 
 use crate::map_files::MapFiles;
+use crate::plan_tables::{band_rows, reliability_rows, roc_rows};
 use crate::safety_tables::{hazard_rows, place_rows};
 use crate::tables::{TIMING_COLUMNS, curve_rows, frame_rows, frames_header, summary_rows, timing_rows};
 use crate::{
@@ -60,6 +61,15 @@ struct FrameFiles {
     timing: Writer<PendingFile>,
     summary: PendingFile,
     safety: Option<SafetyFiles>,
+    plans: Option<PlanFiles>,
+}
+
+/// Tables of ground plans, frame by frame.
+#[derive(Debug)]
+struct PlanFiles {
+    bands: Writer<PendingFile>,
+    reliability: Writer<PendingFile>,
+    roc: Writer<PendingFile>,
 }
 
 /// Tables of safety maps.
@@ -165,9 +175,10 @@ impl FrameFiles {
         let scores = scores.collect::<Result<_>>()?;
         let mut timing = table(folder, files::TIMING)?;
         write_rows(&mut timing, [TIMING_COLUMNS.map(str::to_owned).to_vec()])?;
-        let has_safety = layers(info).any(|layer| layer.kind == LayerKind::Safety);
-        let safety = has_safety.then(|| SafetyFiles::create(folder)).transpose()?;
-        Ok(Self { scores, timing, summary: folder.create(files::SUMMARY_PAGE)?, safety })
+        let has = |kind: LayerKind| layers(info).any(|layer| layer.kind == kind);
+        let safety = has(LayerKind::Safety).then(|| SafetyFiles::create(folder)).transpose()?;
+        let plans = has(LayerKind::Plan).then(|| PlanFiles::create(folder)).transpose()?;
+        Ok(Self { scores, timing, summary: folder.create(files::SUMMARY_PAGE)?, safety, plans })
     }
 
     fn finish(mut self, info: &RunInfo, result: &RunResult, sealed: &mut Vec<SealedFile>) -> Result<()> {
@@ -177,6 +188,9 @@ impl FrameFiles {
         sealed.push(seal(self.timing)?);
         write_text(&mut self.summary, &markdown_summary(info, result))?;
         sealed.push(self.summary.seal()?);
+        if let Some(plans) = self.plans {
+            plans.finish(info, result, sealed)?;
+        }
         self.safety.map_or(Ok(()), |safety| safety.finish(info, result, sealed))
     }
 }
@@ -189,12 +203,37 @@ impl SafetyFiles {
     /// Writes the tables that have rows.
     fn finish(self, info: &RunInfo, result: &RunResult, sealed: &mut Vec<SealedFile>) -> Result<()> {
         let tables = [(self.places, place_rows(info, result)), (self.hazards, hazard_rows(info, result))];
-        for (mut table, rows) in tables.into_iter().filter(|(_, rows)| rows.len() > 1) {
-            write_rows(&mut table, rows)?;
-            sealed.push(seal(table)?);
-        }
-        Ok(())
+        write_tables(tables, sealed)
     }
+}
+
+impl PlanFiles {
+    fn create(folder: &ResultsFolder) -> Result<Self> {
+        Ok(Self {
+            bands: table(folder, files::PLAN_BANDS)?,
+            reliability: table(folder, files::PLAN_RELIABILITY)?,
+            roc: table(folder, files::PLAN_ROC)?,
+        })
+    }
+
+    /// Writes the tables, if anything was counted.
+    fn finish(self, info: &RunInfo, result: &RunResult, sealed: &mut Vec<SealedFile>) -> Result<()> {
+        let bands = (self.bands, band_rows(info, result));
+        let reliability = (self.reliability, reliability_rows(info, result));
+        write_tables([bands, reliability, (self.roc, roc_rows(info, result))], sealed)
+    }
+}
+
+/// Writes the tables that have rows below their header.
+fn write_tables<const N: usize>(
+    tables: [(Writer<PendingFile>, Vec<Vec<String>>); N],
+    sealed: &mut Vec<SealedFile>,
+) -> Result<()> {
+    for (mut table, rows) in tables.into_iter().filter(|(_, rows)| rows.len() > 1) {
+        write_rows(&mut table, rows)?;
+        sealed.push(seal(table)?);
+    }
+    Ok(())
 }
 
 fn table(folder: &ResultsFolder, name: &str) -> Result<Writer<PendingFile>> {

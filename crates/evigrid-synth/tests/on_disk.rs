@@ -137,6 +137,14 @@ fn check_images(truth: &Path) {
     let depth_m = 1.5 / down.sin() * (47.5_f64 / 120.0).atan().cos();
     assert!((f64::from(ground) - 48.0 / depth_m).abs() < 1.0 / 256.0, "{ground}");
     assert!(occlusion.pixels().any(|p| p.0 == [0]), "something is hidden from the right camera");
+    let surface = image::open(truth.join("surface/000000.png")).unwrap().into_luma16();
+    for (seen, surface) in occlusion.pixels().zip(surface.pixels()) {
+        assert_eq!(seen.0 == [128], surface.0 == [0], "the sky has number 0");
+    }
+    let names = fs::read_to_string(truth.join("surfaces.csv")).unwrap();
+    let line = names.lines().nth(usize::from(surface.get_pixel(80, 95).0[0]) + 1).unwrap();
+    assert!(line.ends_with(",1"), "the lowest row shows ground: {line}");
+    assert_eq!(names.lines().next(), Some("surface,name,is_ground"));
 }
 
 fn check_voxels(truth: &Path) {
@@ -239,7 +247,17 @@ fn a_world_without_robot_or_scanner_lacks_only_their_files() {
     );
     assert_eq!(
         names(&written.dir.join("ground_truth")),
-        ["boards.csv", "disparity", "objects.csv", "occlusion", "planes.csv", "voxels.npz", "world.toml"]
+        [
+            "boards.csv",
+            "disparity",
+            "objects.csv",
+            "occlusion",
+            "planes.csv",
+            "surface",
+            "surfaces.csv",
+            "voxels.npz",
+            "world.toml"
+        ]
     );
 }
 

@@ -40,6 +40,22 @@ pub fn write_grey_png(
     write_file(what, path, &bytes)
 }
 
+/// Writes numbers, row by row, as a 16-bit PNG.
+pub fn write_number_png(
+    what: &'static str,
+    path: &Path,
+    width: usize,
+    height: usize,
+    pixels: &[u16],
+) -> Result<(), WriteError> {
+    let mut bytes = Vec::new();
+    let values: Vec<u8> = pixels.iter().flat_map(|v| v.to_ne_bytes()).collect();
+    PngEncoder::new(&mut bytes)
+        .write_image(&values, width as u32, height as u32, ExtendedColorType::L16)
+        .map_err(|error| WriteError::Io { what, path: path.to_owned(), source: io::Error::other(error) })?;
+    write_file(what, path, &bytes)
+}
+
 /// The bytes of points: little-endian 32-bit floats, and `tail` after each x, y, z.
 pub fn point_bytes(points: &[[f32; 3]], tail: &[f32]) -> Vec<u8> {
     let floats = points.iter().flat_map(|point| point.iter().chain(tail));

@@ -6,7 +6,7 @@ use evigrid_core::{Disparity, Frame, GrayImage, Pose};
 use evigrid_replay::{Sequence, write_disparity_png};
 
 use super::error::WriteError;
-use super::files::{create_folder, point_bytes, write_file, write_grey_png};
+use super::files::{create_folder, point_bytes, write_file, write_grey_png, write_number_png};
 use super::tables;
 use crate::exact::boards;
 use crate::view_truth::PixelTruth;
@@ -63,13 +63,21 @@ impl FrameWriter<'_> {
         write_disparity_png(&self.path("ground_truth/disparity", number, "png"), &disparity)?;
         let seen: Vec<u8> = view.pixels().iter().map(seen_by_right).collect();
         let path = self.path("ground_truth/occlusion", number, "png");
-        write_grey_png("occlusion image", &path, width, height, &seen)
+        write_grey_png("occlusion image", &path, width, height, &seen)?;
+        let surfaces: Vec<u16> = view.pixels().iter().map(surface).collect();
+        let path = self.path("ground_truth/surface", number, "png");
+        write_number_png("surface image", &path, width, height, &surfaces)
     }
 }
 
 /// The disparity, NaN where the format cannot hold it.
 fn disparity(pixel: &PixelTruth) -> f32 {
     if pixel.disparity_px > MAX_DISPARITY_PX { f32::NAN } else { pixel.disparity_px }
+}
+
+/// The number of the object, from 1 on; 0 for the sky.
+fn surface(pixel: &PixelTruth) -> u16 {
+    pixel.thing.map_or(0, |thing| u16::try_from(thing + 1).unwrap_or(u16::MAX))
 }
 
 fn seen_by_right(pixel: &PixelTruth) -> u8 {

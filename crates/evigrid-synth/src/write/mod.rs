@@ -74,7 +74,9 @@ pub fn write_data_set(
 
 /// The folders and the text files.
 fn write_texts(world: &World, frames: &Range<usize>, dir: &Path) -> Result<(), WriteError> {
-    for folder in ["image_0", "image_1", "ground_truth/disparity", "ground_truth/occlusion"] {
+    for folder in
+        ["image_0", "image_1", "ground_truth/disparity", "ground_truth/occlusion", "ground_truth/surface"]
+    {
         create_folder(&dir.join(folder))?;
     }
     if !world.lasers.is_empty() {
@@ -84,6 +86,7 @@ fn write_texts(world: &World, frames: &Range<usize>, dir: &Path) -> Result<(), W
     text("world", MARKER, world.text.clone())?;
     text("calibration", "calib.txt", calibration::calibration(world))?;
     text("times", "times.txt", calibration::times(frames.clone().map(|frame| world.stamp_ns(frame))))?;
+    text("surfaces", "ground_truth/surfaces.csv", tables::surfaces(&world.contents.things))?;
     let poses = frames.clone().map(|frame| world.reported_world_from_left(frame));
     text("poses", "poses.txt", calibration::poses(poses))?;
     if world.has_pose_errors() {

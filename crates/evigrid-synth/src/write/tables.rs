@@ -6,6 +6,7 @@ use std::fmt::Write;
 use evigrid_grid::PlanSpec;
 
 use crate::exact::{BoardView, GroundPlane, Hazard, Track};
+use crate::thing::Thing;
 
 /// First line of boards.csv.
 pub const BOARDS_HEADING: &str = "frame,object,name,distance_m,width_m,visible_left_m,visible_both_m\n";
@@ -18,6 +19,15 @@ pub const OBJECTS_HEADING: &str = "frame,object,name,centre_x_m,centre_y_m,centr
     length_x_m,length_y_m,length_z_m,velocity_x_mps,velocity_y_mps,velocity_z_mps,is_moving,ever_moves\n";
 /// First line of hazards.csv.
 pub const HAZARDS_HEADING: &str = "name,kind,x_m,y_m\n";
+
+/// surfaces.csv: what the numbers of the surface images stand for.
+pub fn surfaces(things: &[Thing]) -> String {
+    let row = |(number, thing): (usize, &Thing)| {
+        format!("{},{},{}\n", number + 1, name(thing.name.as_deref()), u8::from(thing.is_ground))
+    };
+    let rows = things.iter().enumerate().map(row).collect::<String>();
+    format!("surface,name,is_ground\n0,sky,0\n{rows}")
+}
 
 /// The rows of a frame in boards.csv.
 pub fn boards(frame: usize, views: &[BoardView]) -> String {
