@@ -216,7 +216,7 @@ fn panel(worlds: &Worlds, quantity: usize, label: &str) -> Panel {
         x: Axis::new(label, 0.0, 1.05 * end),
         y,
         series,
-        legend: Some(Corner::UpperRight),
+        legend: Some(Corner::LowerRight),
     }
 }
 
