@@ -74,9 +74,9 @@ impl Default for VisibilitySettings {
             filter: FilterForm::None,
             velocities: 7,
             velocity_step_mps: 3.0,
-            static_share: 0.5,
-            velocity_change_per_s: 2.0,
-            observation_weight: 0.5,
+            static_share: 0.8,
+            velocity_change_per_s: 1.0,
+            observation_weight: 0.7,
             filter_bounds: [0.02, 0.98],
         }
     }
