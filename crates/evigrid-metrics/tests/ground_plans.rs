@@ -3,7 +3,8 @@
 
 use evigrid_grid::{LayerKind, PlanGrid, PlanSpec, SafetyLabel, SafetyMap, SafetyPlane};
 use evigrid_metrics::{
-    PlanCase, PlanReference, PlanState, PlaneErrors, PlanningDisc, SafetyCase, SafetyReference, Score, Scores,
+    PlanCase, PlanReference, PlanState, PlanTally, PlaneErrors, PlanningDisc, SafetyCase, SafetyReference,
+    Score, Scores,
 };
 use nalgebra::{Isometry2, Vector2, Vector3};
 use proptest::prelude::*;
@@ -28,6 +29,11 @@ fn a_plan_by_hand() {
     let found = plan(&[0.9, 0.7, 0.9, 0.2, 0.5, f32::NAN], Isometry2::identity());
     let scores = Scores::plan(&found, &reference);
     let columns: Vec<String> = scores.list.iter().map(Score::column).collect();
+    assert_eq!(columns, Scores::columns(LayerKind::Plan, &[0.2], false));
+    // What is counted frame by frame is known at the end.
+    let mut at_end = scores.clone();
+    at_end.add_frames(&PlanTally::default());
+    let columns: Vec<String> = at_end.list.iter().map(Score::column).collect();
     assert_eq!(columns, Scores::columns(LayerKind::Plan, &[0.2], true));
     let get = |column| scores.get(column).unwrap();
     assert_eq!((get("plan_hits"), get("plan_mistakes"), get("plan_missed")), (1.0, 1.0, 2.0));

@@ -6,7 +6,7 @@ use crate::cells::{Patches, blend};
 use crate::chart::{Axis, Marks, Panel, Series, rectangle};
 
 /// Pixels of the image per pixel that is shown.
-const SHRINK: usize = 5;
+pub const SHRINK: usize = 5;
 /// Of a panel that shows an image of 640 x 480.
 pub const PANEL: (u32, u32) = (420, 340);
 

@@ -108,12 +108,13 @@ fn tables_of_final_scores() {
              yard,line,2,{scores},1\nyard,all,2,{scores},1\n"
         )
     );
-    let row = "1,0,1,1.000000,0.500000,0.666667,0.750000";
+    let row = "1,0,1,1.000000,0.500000,0.666667,0.750000,,,,,,";
     assert_eq!(
         read("summary.plan.csv"),
         format!(
             "dataset,method,frames,plan_hits,plan_mistakes,plan_missed,plan_precision,plan_recall,plan_f1,\
-             plan_auc\nyard,line,2,{row}\nyard,all,2,{row}\n"
+             plan_auc,plan_frames_auc,plan_frames_auc_off_borders,plan_frames_band_f1,\
+             plan_frames_average_precision,plan_frames_log_loss,plan_frames_brier\nyard,line,2,{row}\nyard,all,2,{row}\n"
         )
     );
     assert!(

@@ -23,24 +23,33 @@ fn run(
     matcher.run(PairTask { left, right, wanted: EVERYTHING, ground, recycled: None }).unwrap()
 }
 
-/// Sum of absolute differences of the window around (x, y), whose row `y + dy` is compared `shift(dy)` columns
-/// further left; `None` where it does not lie in both images.
+/// Sum of absolute differences of the window around (x, y), whose row `y + dy` is compared `shift(dy)` columns further
+/// left, between pixels by interpolation; `None` where it does not lie in both images.
 fn sad(
     [left, right]: [&GrayImage; 2],
     radius: i64,
     [x, y]: [i64; 2],
-    shift: impl Fn(i64) -> i64,
+    shift: impl Fn(i64) -> f64,
 ) -> Option<i64> {
     let (w, h) = (left.width() as i64, left.height() as i64);
     let is_in = |x: i64| x - radius >= 0 && x + radius < w;
-    if y < radius || y + radius >= h || !(-radius..=radius).all(|dy| is_in(x) && is_in(x - shift(dy))) {
+    let fits = |dy: i64| {
+        let (least, most) = (shift(dy).floor() as i64, shift(dy).ceil() as i64);
+        x - most - radius >= 0 && x - least + radius < w
+    };
+    if y < radius || y + radius >= h || !is_in(x) || !(-radius..=radius).all(fits) {
         return None;
     }
-    let at = |image: &GrayImage, x: i64, y: i64| i64::from(image.row(y as usize)[x as usize]);
+    let at = |image: &GrayImage, x: i64, y: i64| i64::from(image.row(y as usize)[x.clamp(0, w - 1) as usize]);
+    let between = |x: f64, y: i64| {
+        let weight = ((x - x.floor()) * 256.0).round() as i64;
+        let (a, b) = (at(right, x.floor() as i64, y), at(right, x.floor() as i64 + 1, y));
+        ((256 - weight) * a + weight * b + 128) / 256
+    };
     let pixels = (-radius..=radius).flat_map(|dy| (-radius..=radius).map(move |dx| (dx, dy)));
-    Some(
-        pixels.map(|(dx, dy)| (at(left, x + dx, y + dy) - at(right, x + dx - shift(dy), y + dy)).abs()).sum(),
-    )
+    let difference =
+        |(dx, dy)| (at(left, x + dx, y + dy) - between((x + dx) as f64 - shift(dy), y + dy)).abs();
+    Some(pixels.map(difference).sum())
 }
 
 /// Winner and class of one pixel as the definition says: the lower one of both costs for every disparity, the lowest
@@ -57,11 +66,11 @@ fn twin(
     let tolerance =
         (s.road_tolerance_px + s.road_tolerance_share * (of_row(y) as f64).max(0.0)).ceil() as i64;
     let costs = (block.min_disparity..block.min_disparity + block.disparities).map(|d| d as i64).map(|d| {
-        let upright = sad(images, radius, [x, y], |_| d);
+        let upright = sad(images, radius, [x, y], |_| d as f64);
         let residual = d - of_row(y);
         // The twin of a window that would reach beyond the right image is left out, as by its lowest row.
         let road = (residual.abs() <= tolerance)
-            .then(|| sad(images, radius, [x, y], |dy| of_row(y + dy) + residual))
+            .then(|| sad(images, radius, [x, y], |dy| ground.at(0.0, (y + dy) as f64) + residual as f64))
             .flatten();
         (d, upright, road)
     });

@@ -1,7 +1,7 @@
 //! Pre- and post-filters against slow, obvious twins.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-use evigrid_core::{CostScale, Disparity, GrayImage, Matching, NO_COST};
+use evigrid_core::{CostScale, Disparity, DisparityPlane, GrayImage, Matching, NO_COST};
 use evigrid_stereo::{
     BlockMatcher, BlockMatchingSettings, Extras, GraphCutMatcher, GraphCutSettings, Matcher, MatcherKind,
     PairTask, PreFilter, SemiGlobalMatcher, SemiGlobalSettings, StereoSettings, speckles, texture,
@@ -151,11 +151,16 @@ fn without_filters_the_named_matcher_is_the_matcher() {
 
 #[test]
 fn matchers_give_the_extras_that_they_offer_and_no_others() {
-    let (left, right) = (image(60, 20, 1), image(60, 20, 2));
+    let (left, right) = (image(60, 30, 1), image(60, 30, 2));
+    let centre_px = [30.0, 10.0];
+    let ground = DisparityPlane { at_centre_px: 0.0, per_column: 0.0, per_row: 0.2, centre_px };
     // Exact disparities come from a world, not from a pair.
     for matcher in MatcherKind::ALL.into_iter().filter(|&kind| kind != MatcherKind::Exact) {
         let settings = StereoSettings { matcher, disparities: 20, ..Default::default() };
-        let run = |wanted| Matcher::new(settings).unwrap().run(PairTask::new(&left, &right, wanted)).unwrap();
+        let run = |wanted| {
+            let task = PairTask { ground: Some(ground), ..PairTask::new(&left, &right, wanted) };
+            Matcher::new(settings).unwrap().run(task).unwrap()
+        };
         let all = run(Extras { costs: true, road: true });
         let given = Extras { costs: all.volume.is_some(), road: all.road.is_some() };
         assert_eq!(given, matcher.offers(), "{}", matcher.name());

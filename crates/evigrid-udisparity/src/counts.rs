@@ -104,29 +104,40 @@ impl Block {
         let disparities = rows.disparities();
         for counts in [&mut self.visible, &mut self.observed, &mut self.obstacles, &mut self.road] {
             counts.clear();
-            // One more for the road: a pixel at d counts as beyond from d + 1 on.
-            counts.resize(disparities + 2, [0; LANES]);
+            // One more for the road, as a pixel at d counts as beyond from d + 1 on, and one for what is nearer.
+            counts.resize(disparities + 3, [0; LANES]);
         }
         self.is_road.clear();
-        self.is_road.resize(disparities + 2, [0; LANES]);
-        self.mark_road(pixels, first, disparities);
+        self.is_road.resize(disparities + 3, [0; LANES]);
+        let columns = first..(first + LANES).min(pixels.width);
+        for row in pixels.road.chunks_exact(pixels.width) {
+            for (lane, &road) in row[columns.clone()].iter().enumerate() {
+                self.is_road[usize::from(road).min(disparities + 1)][lane] = 1;
+            }
+        }
+        self.is_road[0] = [0; LANES];
+        self.is_road[disparities + 1] = [0; LANES];
+        if count_road {
+            self.count::<true>(pixels, rows, &columns);
+        } else {
+            self.count::<false>(pixels, rows, &columns);
+        }
+    }
+
+    fn count<const ROAD: bool>(&mut self, pixels: &Pixels, rows: &Rows, columns: &Range<usize>) {
         let mut visible = [0_u16; LANES];
         let mut current = rows.of(1).start..rows.of(1).start;
-        for d in 1..=disparities {
+        for d in 1..=rows.disparities() {
             // Pixels of the rows so far that show what is at d, or road just beyond it, become visible.
             for lane in 0..LANES {
                 visible[lane] += self.obstacles[d][lane] + self.road[d][lane];
             }
             let next = rows.of(d);
-            for row in next.start..next.end {
-                if !current.contains(&row) {
-                    self.enter(pixels, first, row, d, count_road, &mut visible, true);
-                }
+            for row in next.clone().filter(|row| !current.contains(row)) {
+                self.move_row::<ROAD>(pixels, row, columns, d, &mut visible, 1);
             }
-            for row in current.start..current.end {
-                if !next.contains(&row) {
-                    self.enter(pixels, first, row, d, count_road, &mut visible, false);
-                }
+            for row in current.filter(|row| !next.contains(row)) {
+                self.move_row::<ROAD>(pixels, row, columns, d, &mut visible, u16::MAX);
             }
             current = next;
             self.visible[d] = visible;
@@ -134,48 +145,35 @@ impl Block {
         }
     }
 
-    fn mark_road(&mut self, pixels: &Pixels, first: usize, disparities: usize) {
-        for row in 0..pixels.height {
-            let columns = row * pixels.width + first..row * pixels.width + (first + LANES).min(pixels.width);
-            for (lane, &road) in pixels.road[columns].iter().enumerate() {
-                if usize::from(road) <= disparities {
-                    self.is_road[usize::from(road)][lane] = 1;
-                }
-            }
-        }
-    }
-
-    /// A row enters the rows of disparity `d`, or leaves them.
+    /// A row enters the rows of disparity `d` (`by` = 1) or leaves them (-1, wrapped).
     #[inline(always)]
-    fn enter(
+    fn move_row<const ROAD: bool>(
         &mut self,
         pixels: &Pixels,
-        first: usize,
         row: usize,
+        columns: &Range<usize>,
         d: usize,
-        count_road: bool,
         visible: &mut [u16; LANES],
-        enters: bool,
+        by: u16,
     ) {
-        let one = if enters { 1 } else { u16::MAX };
-        let columns = row * pixels.width + first..row * pixels.width + (first + LANES).min(pixels.width);
-        let values = pixels.obstacles[columns.clone()].iter().zip(&pixels.road[columns]);
-        for (lane, (&obstacle, &road)) in values.enumerate() {
-            let (obstacle, road) = (usize::from(obstacle), usize::from(road));
-            if obstacle != 0 {
-                if let Some(count) = self.obstacles.get_mut(obstacle) {
-                    count[lane] = count[lane].wrapping_add(one);
-                }
-                if obstacle <= d {
-                    visible[lane] = visible[lane].wrapping_add(one);
-                }
-            } else if count_road && road != 0 {
-                if let Some(count) = self.road.get_mut(road + 1) {
-                    count[lane] = count[lane].wrapping_add(one);
-                }
-                if road < d {
-                    visible[lane] = visible[lane].wrapping_add(one);
-                }
+        let nearest = self.obstacles.len() - 1;
+        let range = row * pixels.width + columns.start..row * pixels.width + columns.end;
+        let obstacles = &pixels.obstacles[range.clone()];
+        for (lane, &obstacle) in obstacles.iter().enumerate() {
+            let obstacle = usize::from(obstacle);
+            // Those without a disparity are counted at 0, where nobody looks.
+            let count = &mut self.obstacles[obstacle.min(nearest)][lane];
+            *count = count.wrapping_add(by);
+            let is_visible = obstacle != 0 && obstacle <= d;
+            visible[lane] = visible[lane].wrapping_add(if is_visible { by } else { 0 });
+        }
+        if ROAD {
+            let values = pixels.road[range].iter().zip(obstacles).enumerate();
+            for (lane, (&road, _)) in values.filter(|(_, (road, obstacle))| **road != 0 && **obstacle == 0) {
+                let road = usize::from(road);
+                let count = &mut self.road[(road + 1).min(nearest)][lane];
+                *count = count.wrapping_add(by);
+                visible[lane] = visible[lane].wrapping_add(if road < d { by } else { 0 });
             }
         }
     }

@@ -66,17 +66,20 @@ pub fn map_to_ground(grid: &[f32], columns: usize, view: &GroundView, plan: &Pla
     let pixels = Pixels { grid, columns, disparities: grid.len() / columns };
     out.par_chunks_mut(ROWS_PER_TASK * ny).enumerate().for_each(|(task, out)| {
         let first = task * ROWS_PER_TASK;
-        let row_of = |i: usize| (0..=ny).map(|j| corner(i, j)).collect::<Vec<_>>();
-        let mut near = row_of(first);
+        let (mut near, mut far) = (vec![None; ny + 1], vec![None; ny + 1]);
+        let fill = |i: usize, row: &mut [Option<[f64; 2]>]| {
+            row.iter_mut().enumerate().for_each(|(j, to)| *to = corner(i, j));
+        };
+        fill(first, &mut near);
         for (n, cells) in out.chunks_exact_mut(ny).enumerate() {
-            let far = row_of(first + n + 1);
+            fill(first + n + 1, &mut far);
             for (j, cell) in cells.iter_mut().enumerate() {
                 *cell = match [near[j], far[j], far[j + 1], near[j + 1]] {
                     [Some(a), Some(b), Some(c), Some(d)] => pixels.largest(&[a, b, c, d]),
                     _ => f32::NAN,
                 };
             }
-            near = far;
+            std::mem::swap(&mut near, &mut far);
         }
     });
 }
@@ -91,24 +94,27 @@ impl Pixels<'_> {
     /// The largest value of the pixels that meet a quadrilateral.
     #[inline(always)]
     fn largest(&self, corners: &[[f64; 2]; 4]) -> f32 {
+        let [left, right] = extent(corners.iter().map(|corner| corner[0]));
+        if right <= -0.5 || left >= self.columns as f64 - 0.5 {
+            return f32::NAN;
+        }
         let [lowest, highest] = extent(corners.iter().map(|corner| corner[1]));
         let rows = met(lowest, highest, 1, self.disparities);
-        let mut largest = f32::NAN;
-        for d in rows.clone() {
+        let mut largest = f32::NEG_INFINITY;
+        for d in rows {
             let strip = [d as f64 - 0.5, d as f64 + 0.5];
             let columns = if strip[0] <= lowest && highest <= strip[1] {
-                extent(corners.iter().map(|corner| corner[0]))
+                [left, right]
             } else {
                 extent_within(corners, strip)
             };
             let columns = met(columns[0], columns[1], 0, self.columns - 1);
             let start = (d - 1) * self.columns;
             for &value in &self.grid[start + columns.start..start + columns.end] {
-                // The other one where one is NaN.
-                largest = largest.max(value);
+                largest = if value > largest { value } else { largest };
             }
         }
-        largest
+        if largest == f32::NEG_INFINITY { f32::NAN } else { largest }
     }
 }
 

@@ -15,6 +15,8 @@ pub struct UDisparityGrid {
     rows: Rows,
     table: Table,
     counts: Counts,
+    /// Cells with road, with one more column and row on all sides.
+    around: Vec<u8>,
     /// Cells with road among a cell and its neighbours, disparity by disparity.
     road: Vec<u8>,
     total: Vec<f32>,
@@ -37,17 +39,26 @@ impl UDisparityGrid {
         let cells = columns * disparities;
         let table = Table::new(parameters, view.rig.height);
         let (counts, road, total) = (Counts::default(), vec![0; cells], vec![0.5; cells]);
-        Self { parameters, count_road, columns, rows, table, counts, road, total }
+        let around = Vec::new();
+        Self { parameters, count_road, columns, rows, table, counts, around, road, total }
     }
 
     /// Fills the grid from the pixels of a frame.
     pub fn fill(&mut self, pixels: &Pixels) {
         self.counts.fill(pixels, &self.rows, self.count_road);
         let (columns, rows, counts, table) = (self.columns, &self.rows, &self.counts, &self.table);
+        let stride = columns + 2;
+        self.around.resize((rows.disparities() + 2) * stride, 0);
+        for (d, cells) in self.around.chunks_exact_mut(stride).enumerate().skip(1).take(rows.disparities()) {
+            for (block, cells) in counts.blocks().iter().zip(cells[1..=columns].chunks_mut(LANES)) {
+                cells.copy_from_slice(&block.is_road[d][..cells.len()]);
+            }
+        }
+        let around = &self.around;
         let cells = self.total.par_chunks_exact_mut(columns).zip(self.road.par_chunks_exact_mut(columns));
         cells.enumerate().with_min_len(ROWS_PER_TASK).for_each(|(index, (total, road))| {
             let d = index + 1;
-            neighbouring_road(counts, d, rows.disparities(), road);
+            neighbouring_road(around, d, road);
             let inverse_possible = table.inverse(rows.possible(d));
             for (number, block) in counts.blocks().iter().enumerate() {
                 let from = number * LANES;
@@ -91,23 +102,16 @@ impl UDisparityGrid {
     }
 }
 
-/// For each column the number of road cells among the cell at `d` and its eight neighbours; outside is none.
-fn neighbouring_road(counts: &Counts, d: usize, disparities: usize, out: &mut [u8]) {
+/// For each column the number of road cells among the cell at `d` and its eight neighbours; outside is none. `around`
+/// holds the road cells of all disparities from 0 on, with one more column on both sides.
+fn neighbouring_road(around: &[u8], d: usize, out: &mut [u8]) {
+    let stride = out.len() + 2;
     out.fill(0);
-    let last = out.len() - 1;
-    for d in (d - 1).max(1)..=(d + 1).min(disparities) {
-        for (number, block) in counts.blocks().iter().enumerate() {
-            let from = number * LANES;
-            for (lane, &is_road) in block.is_road[d].iter().enumerate().take(out.len() - from) {
-                let column = from + lane;
-                out[column] += is_road;
-                if column > 0 {
-                    out[column - 1] += is_road;
-                }
-                if column < last {
-                    out[column + 1] += is_road;
-                }
-            }
+    for row in d - 1..=d + 1 {
+        let cells = &around[row * stride..(row + 1) * stride];
+        let (left, here, right) = (&cells[..out.len()], &cells[1..][..out.len()], &cells[2..][..out.len()]);
+        for (((out, left), here), right) in out.iter_mut().zip(left).zip(here).zip(right) {
+            *out += left + here + right;
         }
     }
 }

@@ -15,7 +15,7 @@ mod fig8;
 mod hazards;
 mod journeys;
 mod latency;
-mod mapping;
+pub mod mapping;
 mod places;
 mod plan_view;
 mod planes;

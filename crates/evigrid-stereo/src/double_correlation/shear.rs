@@ -12,8 +12,8 @@ pub(super) struct Run {
     pub shift: isize,
 }
 
-/// The ground's disparities of every row, rounded, and the right image with every pixel moved to the column of the
-/// left image in which ground at that place is seen.
+/// The ground's disparities of every row, and the right image with every pixel moved to the column of the left image in
+/// which ground at that place is seen; between pixels it is interpolated, so that all rows of a window fit as well.
 ///
 /// A camera that rolls sees ground of several disparities in one row. Pixels of the left image within the reach of
 /// a step between two of them are compared along the step of the right image's column, not of their own: that is a
@@ -21,6 +21,8 @@ pub(super) struct Run {
 #[derive(Debug, Default)]
 pub(super) struct Shear {
     runs: Vec<Vec<Run>>,
+    /// The least and the largest whole disparity around those of the ground, row by row.
+    extents: Vec<[isize; 2]>,
     /// Rows of the image's width and `reach` pixels on both sides.
     pixels: Vec<u8>,
     reach: usize,
@@ -34,25 +36,16 @@ impl Shear {
         (self.reach, self.width) = (reach, width);
         self.runs.resize_with(height, Vec::new);
         self.pixels.resize((width + 2 * reach) * height, 0);
+        let extent = |y: usize| {
+            let ends = [0, width - 1].map(|x| ground.at(x as f64, y as f64));
+            [ends[0].min(ends[1]).floor() as isize, ends[0].max(ends[1]).ceil() as isize]
+        };
+        self.extents.clear();
+        self.extents.extend((0..height).map(extent));
         let rows = self.pixels.par_chunks_exact_mut(width + 2 * reach).zip(&mut self.runs);
         rows.enumerate().for_each(|(y, (out, runs))| {
             fill_runs(ground, y, width, runs);
-            let pixels = right.row(y);
-            let at = |column: isize| pixels[column.clamp(0, width as isize - 1) as usize];
-            for run in runs.iter() {
-                let columns = run.columns.clone().map(|x| x as isize);
-                for (to, x) in out[reach..][run.columns.clone()].iter_mut().zip(columns) {
-                    *to = at(x - run.shift);
-                }
-            }
-            if let (Some(first), Some(last)) = (runs.first(), runs.last()) {
-                for (n, to) in out[..reach].iter_mut().enumerate() {
-                    *to = at(n as isize - reach as isize - first.shift);
-                }
-                for (n, to) in out[reach + width..].iter_mut().enumerate() {
-                    *to = at((width + n) as isize - last.shift);
-                }
-            }
+            fill_row(right.row(y), ground, y, reach, out);
         });
     }
 
@@ -68,10 +61,44 @@ impl Shear {
         &self.runs[y]
     }
 
-    /// The least and the largest whole disparity of the ground in a row, pixels.
+    /// Whole disparities that hold all of the ground's in a row between them, pixels.
     pub fn extent(&self, y: usize) -> [isize; 2] {
-        let ends = [self.runs[y].first(), self.runs[y].last()].map(|run| run.map_or(0, |run| run.shift));
-        [ends[0].min(ends[1]), ends[0].max(ends[1])]
+        self.extents[y]
+    }
+}
+
+/// Grey levels of a row at the places of the ground, from `reach` pixels before its first on; those beyond the row are
+/// that of its end.
+fn fill_row(pixels: &[u8], ground: &DisparityPlane, y: usize, reach: usize, out: &mut [u8]) {
+    let last = pixels.len() as isize - 1;
+    let value = |place: f64| {
+        let (whole, weight) = (place.floor(), ((place - place.floor()) * 256.0).round() as u32);
+        let at = |column: isize| u32::from(pixels[column.clamp(0, last) as usize]);
+        let (a, b) = (at(whole as isize), at(whole as isize + 1));
+        (((256 - weight) * a + weight * b + 128) >> 8) as u8
+    };
+    let column = |n: usize| n as f64 - reach as f64;
+    if ground.per_column != 0.0 {
+        for (n, out) in out.iter_mut().enumerate() {
+            *out = value(column(n) - ground.at(column(n), y as f64));
+        }
+        return;
+    }
+    // One shift for the whole row: its inside, side by side, and its ends.
+    let start = column(0) - ground.at(0.0, y as f64);
+    let (whole, weight) = (start.floor() as isize, ((start - start.floor()) * 256.0).round() as u32);
+    let n = out.len() as isize;
+    let inside = (-whole).clamp(0, n)..(last - whole).clamp(0, n);
+    let inside = inside.start as usize..inside.end.max(inside.start) as usize;
+    for at in (0..inside.start).chain(inside.end..out.len()) {
+        out[at] = value(start + at as f64);
+    }
+    if !inside.is_empty() {
+        let first = (inside.start as isize + whole) as usize;
+        let (near, far) = (&pixels[first..][..inside.len()], &pixels[first + 1..][..inside.len()]);
+        for ((out, &near), &far) in out[inside].iter_mut().zip(near).zip(far) {
+            *out = (((256 - weight) * u32::from(near) + weight * u32::from(far) + 128) >> 8) as u8;
+        }
     }
 }
 
@@ -108,12 +135,14 @@ mod tests {
             shear.fill(&right, &ground, 3);
             for y in 0..height {
                 for (x, residual) in (0..width).flat_map(|x| (-3..=3).map(move |r| (x, r))) {
-                    // The column of the sheared image, whose own shift counts.
-                    let column = x as isize - residual;
-                    let inside = column.clamp(0, width as isize - 1);
-                    let shift = ground.at(inside as f64, y as f64).round() as isize;
-                    let expected = right.row(y)[(column - shift).clamp(0, width as isize - 1) as usize];
-                    assert_eq!(shear.row(y, residual)[x], expected, "{x} {y} {residual}");
+                    // The place in the right image of what the sheared image's column shows.
+                    let column = x as f64 - residual as f64;
+                    let place = column - ground.at(column, y as f64);
+                    let at = |c: f64| f64::from(right.row(y)[c.clamp(0.0, 19.0) as usize]);
+                    let share = place - place.floor();
+                    let expected = (1.0 - share) * at(place.floor()) + share * at(place.floor() + 1.0);
+                    let found = f64::from(shear.row(y, residual)[x]);
+                    assert!((found - expected).abs() < 1.0, "{x} {y} {residual}: {found} {expected}");
                 }
             }
         }
