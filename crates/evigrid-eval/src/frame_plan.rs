@@ -19,6 +19,7 @@ pub(crate) struct FramePlans {
     /// Levels of voxels that make up the plan of a map of voxels.
     levels: std::ops::Range<usize>,
     cells: Vec<SeenCell>,
+    plan: Option<LaserPlan>,
 }
 
 /// A cell that the laser knows and the camera looks at.
@@ -43,12 +44,13 @@ impl FramePlans {
         let edge_m = 2.0 * farthest_m() + c;
         let window = PlanSpec::of_area([x, x + edge_m], [y, y + edge_m], c).ok()?;
         let (band_m, min_range_m) = (config.score.plan_band_m, config.truth.min_range_m);
-        Some(Self { window, mounting, band_m, min_range_m, levels, cells: Vec::new() })
+        Some(Self { window, mounting, band_m, min_range_m, levels, cells: Vec::new(), plan: None })
     }
 
     /// The next frame; one without a scan knows no cell.
     pub fn add(&mut self, frame: &Frame) {
         self.cells.clear();
+        self.plan = None;
         let Some(scan) = frame.laser() else { return };
         let pose = frame.map_from_left();
         let camera = pose.translation.vector;
@@ -72,6 +74,12 @@ impl FramePlans {
                 self.cells.push(SeenCell { centre_m, occupied, beside_occupied, range_m });
             }
         }
+        self.plan = Some(plan);
+    }
+
+    /// What the laser of the last frame says; `None` if it had no scan.
+    pub fn laser(&self) -> Option<&LaserPlan> {
+        self.plan.as_ref()
     }
 
     /// Counts the plan of a map, or the projection of its voxels.

@@ -29,7 +29,7 @@ pub use config::{Config, ConfigError, InputSettings, OutputSettings, RunSettings
 pub use frame_range::FrameRange;
 pub use match_source::MatchSource;
 pub use memory::peak_memory_mib;
-pub use observer::{LazyModel, MethodStep, Observer, Step};
+pub use observer::{LazyModel, LazyPictures, MethodStep, Observer, Step};
 pub use plan::{Plan, RunJob};
 pub use recording::{Recording, data_root};
 pub use run::evaluate;

@@ -21,7 +21,7 @@ pub struct MatchSource {
 /// Where matches come from.
 #[derive(Debug)]
 enum Origin {
-    Matcher(Matcher),
+    Matcher(Box<Matcher>),
     /// A folder of disparity images.
     Folder(String),
     /// The shapes of a world.
@@ -53,7 +53,7 @@ impl MatchSource {
                 let tried = stereo.min_disparity..stereo.min_disparity + stereo.disparities;
                 Origin::Exact(Box::new(Exact { world: world.clone(), tried }))
             }
-            _ => Origin::Matcher(Matcher::new(config.stereo)?),
+            _ => Origin::Matcher(Box::new(Matcher::new(config.stereo)?)),
         };
         Ok(Self { origin, mounting, recycled: None })
     }

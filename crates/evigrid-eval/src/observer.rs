@@ -2,7 +2,7 @@ use std::fmt;
 
 use anyhow::Result;
 use evigrid_core::{Frame, Matching};
-use evigrid_grid::{HybridModel, Layer};
+use evigrid_grid::{HybridModel, Layer, Pictures};
 use evigrid_metrics::Scores;
 use evigrid_results::{MethodMaps, RunInfo, RunResult, SealedFile, StageTime};
 
@@ -19,6 +19,33 @@ pub struct MethodStep<'a> {
     pub scores: &'a [Scores],
     /// The 3-D model behind its safety map.
     pub hybrid: LazyModel<'a>,
+    /// What it has made of the frame on the way to its map.
+    pub pictures: LazyPictures<'a>,
+}
+
+/// What a method has made of the last frame on the way to its map, made when it is asked for.
+#[derive(Clone, Copy)]
+pub struct LazyPictures<'a>(Option<&'a dyn Fn() -> Pictures>);
+
+impl<'a> LazyPictures<'a> {
+    /// Nothing.
+    pub const NONE: Self = Self(None);
+
+    /// Pictures that `make` makes.
+    pub fn new(make: &'a dyn Fn() -> Pictures) -> Self {
+        Self(Some(make))
+    }
+
+    /// The pictures now.
+    pub fn get(&self) -> Pictures {
+        self.0.map_or_else(Pictures::default, |make| make())
+    }
+}
+
+impl fmt::Debug for LazyPictures<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("LazyPictures").finish_non_exhaustive()
+    }
 }
 
 /// The 3-D model behind the safety map of a method, made when it is asked for.

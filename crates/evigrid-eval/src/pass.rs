@@ -3,7 +3,7 @@
 
 use anyhow::{Context, Result};
 use evigrid_core::{Frame, Matching};
-use evigrid_grid::{HybridModel, Layer, LayerKind, Needs};
+use evigrid_grid::{HybridModel, Layer, LayerKind, Needs, Pictures};
 use evigrid_methods::Family;
 use evigrid_metrics::{PlanTally, SafetyTally, Scores};
 use evigrid_results::{MethodMaps, MethodResult, RunResult, StageTime};
@@ -263,6 +263,12 @@ impl<'a> Pass<'a> {
     pub fn hybrid_model(&self, number: usize) -> Option<HybridModel> {
         let Place { lane, family, member, .. } = self.places[number];
         self.lanes[lane].family(family).mapper.hybrid_model(member)
+    }
+
+    /// What an entrant's method has made of the last frame on the way to its map.
+    pub fn pictures(&self, number: usize) -> Pictures {
+        let Place { lane, family, member, .. } = self.places[number];
+        self.lanes[lane].family(family).mapper.pictures(member)
     }
 
     /// Everything that an entrant's method has made so far.

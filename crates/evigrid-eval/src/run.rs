@@ -7,7 +7,7 @@ use evigrid_results::{MethodResult, ResultsFolder, RunResult, StageTime};
 
 use crate::match_source::png_name;
 use crate::pass::{Entrant, Moment, Order, Pass};
-use crate::{Clock, LazyModel, MethodStep, Observer, Plan, Step};
+use crate::{Clock, LazyModel, LazyPictures, MethodStep, Observer, Plan, Step};
 
 /// Runs the plan: every frame is matched once, mapped by every method, added to the truth, scored and shown
 /// to the observers. Then the maps and the truth are written.
@@ -84,11 +84,13 @@ impl Run<'_, '_> {
     ) -> Result<()> {
         let layers: Vec<Vec<Layer<'_>>> = (0..pass.len()).map(|number| pass.layers(number)).collect();
         let models: Vec<_> = (0..pass.len()).map(|number| move || pass.hybrid_model(number)).collect();
+        let pictures: Vec<_> = (0..pass.len()).map(|number| move || pass.pictures(number)).collect();
         let method = |number: usize| MethodStep {
             method: pass.entrant(number).name(),
             layers: &layers[number],
             scores: &scores[number],
             hybrid: LazyModel::new(&models[number]),
+            pictures: LazyPictures::new(&pictures[number]),
         };
         let methods: Vec<_> = (0..pass.len()).map(method).collect();
         let (matching, truth) = (pass.matching(0), pass.truth(0));

@@ -5,8 +5,8 @@ use evigrid_core::{Frame, Mounting, Pose};
 use evigrid_grid::safe_ground::SafetyRules;
 use evigrid_grid::{GridSpec, Layer, LayerKind, PlanGrid, SafetyMap, levels_in_band, projected};
 use evigrid_metrics::{
-    NamedArea, PlanReference, PlanTally, PlanningDisc, SafetyCase, SafetyReference, SafetyTally, Scores,
-    VoxelReference,
+    NamedArea, PlanReference, PlanState, PlanTally, PlanningDisc, SafetyCase, SafetyReference, SafetyTally,
+    Scores, VoxelReference,
 };
 use evigrid_results::TruthFile;
 use evigrid_synth::{Hazard, SafetyTruth, VoxelState, VoxelTruth, World, hazards_or_nothing};
@@ -38,6 +38,8 @@ struct Robot {
     last_scored: Option<Pose>,
     has_moved: bool,
     disc: Option<PlanningDisc>,
+    /// Height of the last camera in the map, metres.
+    last_height_m: Option<f64>,
     /// Number of frames so far.
     frames: usize,
 }
@@ -49,6 +51,7 @@ const STANDING: [f64; 2] = [1e-3, 1e-3];
 impl Robot {
     fn at(&mut self, pose: &Pose) {
         self.frames += 1;
+        self.last_height_m = Some(pose.translation.z);
         let Some(mounting) = self.mounting else { return };
         self.has_moved = self.last_scored.is_none_or(|last| {
             let motion_m = (last.translation.vector - pose.translation.vector).norm();
@@ -169,6 +172,24 @@ impl Truth {
         if let Some(frames) = &self.frames {
             frames.count(layers, tally);
         }
+    }
+
+    /// What the laser of the last frame says of the ground around the camera, in runs with a method that shows plans.
+    pub fn frame_plan(&self) -> Option<PlanReference> {
+        let plan = self.frames.as_ref()?.laser()?;
+        let state = |(occupied, free): (&bool, &bool)| match (occupied, free) {
+            (true, _) => PlanState::Occupied,
+            (false, true) => PlanState::Free,
+            (false, false) => PlanState::Unknown,
+        };
+        let cells = plan.occupied().iter().zip(plan.free()).map(state).collect();
+        Some(PlanReference { spec: *plan.spec(), cells })
+    }
+
+    /// How high the ground under the last camera lies in the map, metres; `None` if nobody tells.
+    pub fn ground_m(&self) -> Option<f64> {
+        let mounting = self.robot.mounting?;
+        Some(self.robot.last_height_m? - mounting.height_m)
     }
 
     /// How many laser scans are in it.

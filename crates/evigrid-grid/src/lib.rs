@@ -26,7 +26,7 @@ pub use hybrid::{HybridModel, Patch, merged_patches, outer_faces, patches};
 pub use lattice::{GridError, GridSettings, GridSpec, Lattice, PlanSpec, cell_index};
 pub use layer::{Layer, LayerKind};
 pub use log_odds::{Clamp, LogOddsGrid, logit, probability};
-pub use mapper::{MapError, Mapper, MapperFamily};
+pub use mapper::{MapError, Mapper, MapperFamily, Picture, Pictures, PixelLabel};
 pub use method::{Method, Needs};
 pub use plan_grid::{CellVelocity, PlanGrid};
 pub use plane_fit::{Moments, Plane};

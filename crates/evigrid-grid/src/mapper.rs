@@ -46,6 +46,39 @@ impl MapError {
     }
 }
 
+/// A picture of what a method has made of the last frame on the way to its map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// What it shows.
+    pub name: &'static str,
+    /// Width, pixels.
+    pub width: usize,
+    /// Height, pixels.
+    pub height: usize,
+    /// Row by row: shares in 255ths.
+    pub shares: Vec<u8>,
+}
+
+/// What a method says of the pixels of the left image, row by row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PixelLabel {
+    /// Nothing.
+    Unknown,
+    /// The ground there is free.
+    Free,
+    /// Something stands there.
+    Occupied,
+}
+
+/// Pictures of the last frame, and what the method says of the pixels of the left image (empty: nothing).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Pictures {
+    /// The pictures, in the order in which they are made.
+    pub list: Vec<Picture>,
+    /// One entry per pixel of the left image, row by row; or none at all.
+    pub labels: Vec<PixelLabel>,
+}
+
 /// A map in the making: integrates the evidence of one frame after the other and shows its layers.
 pub trait Mapper: Send + Sync {
     /// Integrates one frame.
@@ -61,6 +94,12 @@ pub trait Mapper: Send + Sync {
     /// The 3-D model behind the safety map so far, made when it is asked for. By default there is none.
     fn hybrid_model(&self) -> Option<HybridModel> {
         None
+    }
+
+    /// What the method has made of the last frame on the way to its map, made when it is asked for. By default there
+    /// is nothing.
+    fn pictures(&self) -> Pictures {
+        Pictures::default()
     }
 }
 
@@ -81,6 +120,11 @@ pub trait MapperFamily: Send + Sync {
     fn hybrid_model(&self, _member: usize) -> Option<HybridModel> {
         None
     }
+
+    /// As [`Mapper::pictures`], of one of the maps.
+    fn pictures(&self, _member: usize) -> Pictures {
+        Pictures::default()
+    }
 }
 
 /// A family of one.
@@ -95,5 +139,9 @@ impl MapperFamily for Box<dyn Mapper> {
 
     fn hybrid_model(&self, _: usize) -> Option<HybridModel> {
         self.as_ref().hybrid_model()
+    }
+
+    fn pictures(&self, _: usize) -> Pictures {
+        self.as_ref().pictures()
     }
 }

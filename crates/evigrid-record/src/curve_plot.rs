@@ -19,7 +19,7 @@ const CURVE: &str = "curve";
 /// Size of the plot's box in scene units; y runs downwards in the viewer.
 const BOX: [f32; 2] = [160.0, 100.0];
 
-const COLOURS: [[u8; 3]; 6] =
+pub(crate) const COLOURS: [[u8; 3]; 6] =
     [[79, 195, 247], [255, 183, 77], [174, 213, 129], [240, 98, 146], [186, 104, 200], [255, 241, 118]];
 
 /// From counts to the box.

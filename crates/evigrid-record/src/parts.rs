@@ -11,8 +11,11 @@ use crate::laser::LaserPart;
 use crate::map::MapPart;
 use crate::part::{Part, Start};
 use crate::plan::PlanPart;
+use crate::plan_ground::PlanGroundPart;
+use crate::roc_plot::RocPart;
 use crate::safety::SafetyPart;
 use crate::series::SeriesPart;
+use crate::sight::SightPart;
 use crate::summary::SummaryPart;
 use crate::trajectory::TrajectoryPart;
 
@@ -28,7 +31,11 @@ pub(crate) fn parts(start: Start<'_>) -> Vec<Box<dyn Part>> {
         for layer in &method.layers {
             match layer {
                 LayerKind::Voxels => parts.push(Box::new(MapPart::new(start, number))),
-                LayerKind::Plan => parts.push(Box::new(PlanPart::new(start, number))),
+                LayerKind::Plan => parts.extend([
+                    Box::new(PlanGroundPart::new(start, number)) as Box<dyn Part>,
+                    Box::new(PlanPart::new(start, number)),
+                    Box::new(SightPart::new(start, number)),
+                ]),
                 LayerKind::Safety => parts.extend([
                     Box::new(HybridPart::new(start, number)) as Box<dyn Part>,
                     Box::new(SafetyPart::new(start, number)),
@@ -39,6 +46,7 @@ pub(crate) fn parts(start: Start<'_>) -> Vec<Box<dyn Part>> {
     }
     parts.extend([
         Box::new(SeriesPart::new(start)) as Box<dyn Part>,
+        Box::new(RocPart::default()),
         Box::new(CurvePart),
         Box::new(SummaryPart::new(start)),
     ]);

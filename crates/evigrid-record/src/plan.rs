@@ -33,7 +33,8 @@ impl Part for PlanPart {
     }
 
     fn frame(&mut self, out: &mut Out<'_>, step: &Step<'_>) -> Result<()> {
-        let truth = step.truth.plan();
+        // What the laser of the frame says, if it is known: things move.
+        let truth = step.truth.frame_plan().or_else(|| step.truth.plan());
         for layer in step.methods[self.number].layers {
             if let Layer::Plan(plan) = layer {
                 let classes = classes(plan, truth.as_ref());

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use evigrid_core::{Disparity, Frame, GrayImage, Matching, Pose, StereoRig};
-use evigrid_eval::{Config, LazyModel, MethodStep, Observer, Step, Truth};
+use evigrid_eval::{Config, LazyModel, LazyPictures, MethodStep, Observer, Step, Truth};
 use evigrid_grid::{
     GridSettings, GridSpec, HybridModel, Layer, LayerKind, PlanGrid, PlanSpec, SafetyLabel, SafetyMap,
     SafetyPlane,
@@ -86,8 +86,13 @@ fn record(path: &Path) {
     let mut recorder = Recorder::create(path.to_owned()).unwrap();
     recorder.begin(&info, &Config::default()).unwrap();
     let model = || Some(hybrid());
-    let methods =
-        [MethodStep { method: "toy", layers: &layers[0], scores: &[], hybrid: LazyModel::new(&model) }];
+    let methods = [MethodStep {
+        method: "toy",
+        layers: &layers[0],
+        scores: &[],
+        hybrid: LazyModel::new(&model),
+        pictures: LazyPictures::NONE,
+    }];
     let step =
         Step { position: 0, frame: &frame, matching: Some(&matching), truth: &truth, methods: &methods };
     recorder.frame(&step).unwrap();

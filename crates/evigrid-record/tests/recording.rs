@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use evigrid_core::{Disparity, Frame, GrayImage, LaserScan, Matching, Pose, StereoRig};
-use evigrid_eval::{Config, LazyModel, MethodStep, Observer, Step, Truth};
+use evigrid_eval::{Config, LazyModel, LazyPictures, MethodStep, Observer, Step, Truth};
 use evigrid_grid::{GridSettings, GridSpec, Layer, LayerKind, LogOddsGrid};
 use evigrid_metrics::Scores;
 use evigrid_record::Recorder;
@@ -67,8 +67,20 @@ fn record(path: &Path, whole: bool) {
         let scores: Vec<Scores> =
             truth.voxels().map(|truth| Scores::voxels(map.values(), &truth, &[])).into_iter().collect();
         let methods = [
-            MethodStep { method: "first", layers: &layers[0], scores: &scores, hybrid: LazyModel::NONE },
-            MethodStep { method: "second", layers: &layers[1], scores: &scores, hybrid: LazyModel::NONE },
+            MethodStep {
+                method: "first",
+                layers: &layers[0],
+                scores: &scores,
+                hybrid: LazyModel::NONE,
+                pictures: LazyPictures::NONE,
+            },
+            MethodStep {
+                method: "second",
+                layers: &layers[1],
+                scores: &scores,
+                hybrid: LazyModel::NONE,
+                pictures: LazyPictures::NONE,
+            },
         ];
         let matching = Some(&matching);
         let step = Step { position, frame: &frame, matching, truth: &truth, methods: &methods };

@@ -129,9 +129,8 @@ impl Block {
         let mut current = rows.of(1).start..rows.of(1).start;
         for d in 1..=rows.disparities() {
             // Pixels of the rows so far that show what is at d, or road just beyond it, become visible.
-            for lane in 0..LANES {
-                visible[lane] += self.obstacles[d][lane] + self.road[d][lane];
-            }
+            let new = self.obstacles[d].iter().zip(&self.road[d]);
+            visible.iter_mut().zip(new).for_each(|(visible, (obstacle, road))| *visible += obstacle + road);
             let next = rows.of(d);
             for row in next.clone().filter(|row| !current.contains(row)) {
                 self.move_row::<ROAD>(pixels, row, columns, d, &mut visible, 1);

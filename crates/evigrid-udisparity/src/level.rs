@@ -32,6 +32,8 @@ pub struct LevelView {
     pub height_m: f64,
     /// For each pixel the camera's pixel, and what its disparity is multiplied by; `None` for a level camera.
     table: Option<Vec<(u32, f32)>>,
+    /// The camera, and its turn, unless it is level.
+    turn: Option<(StereoRig, Rotation3<f64>)>,
 }
 
 /// A pixel of the level camera that the camera does not see.
@@ -46,12 +48,25 @@ impl LevelView {
         let ground = GroundPlane::of_disparities(rig, ground)?;
         let height_m = ground.height_m();
         if ground.is_level() {
-            return Ok(Self { rig: *rig, height_m, table: None });
+            return Ok(Self { rig: *rig, height_m, table: None, turn: None });
         }
         let level_from_camera = ground.level_from_camera();
         let axis = level_from_camera * Vector3::z();
         let level = StereoRig { centre_y_px: rig.centre_y_px - rig.focal_px * axis.y / axis.z, ..*rig };
-        Ok(Self { rig: level, height_m, table: Some(table(rig, &level, &level_from_camera.inverse())) })
+        let table = Some(table(rig, &level, &level_from_camera.inverse()));
+        Ok(Self { rig: level, height_m, table, turn: Some((*rig, level_from_camera)) })
+    }
+
+    /// The pixel of the level camera on the ray of a pixel of the camera; it may lie outside the image.
+    pub fn level_pixel(&self, column: usize, row: usize) -> Option<[f64; 2]> {
+        let (column, row) = (column as f64, row as f64);
+        match &self.turn {
+            None => Some([column, row]),
+            Some((rig, level_from_camera)) => {
+                let ray = level_from_camera * rig.ray(column, row);
+                self.rig.project(&ray.into()).map(|(column, row)| [column, row])
+            }
+        }
     }
 
     /// Takes the believed disparities of obstacles and road over, rounded to whole ones (halves up); those outside of
@@ -180,5 +195,7 @@ mod tests {
         // The camera's optical axis keeps its pixel.
         let (column, row) = view.rig.project(&Point3::from(level * RIG.ray(79.5, 59.5))).unwrap();
         assert!((column - 79.5).abs() < 1e-9 && (row - 59.5).abs() < 1e-9);
+        let of_middle = view.level_pixel(80, 60).unwrap();
+        assert!((of_middle[0] - 80.0).abs() < 0.1 && (of_middle[1] - 60.0).abs() < 0.1, "{of_middle:?}");
     }
 }

@@ -15,6 +15,7 @@ mod filter;
 mod ground_map;
 mod level;
 mod method;
+mod pictures;
 mod probability;
 mod rolling;
 mod settings;

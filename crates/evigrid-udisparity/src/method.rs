@@ -4,11 +4,12 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use evigrid_core::{Disparity, MatchFilter, Matches, RoadSplit, SettingError, View};
-use evigrid_grid::{GridSpec, Layer, LayerKind, MapError, Mapper, Method, Needs, PlanGrid};
+use evigrid_grid::{GridSpec, Layer, LayerKind, MapError, Mapper, Method, Needs, Pictures, PlanGrid};
 
 use crate::filter::{Filter, FilterForm};
 use crate::ground_map::{GroundView, map_to_ground};
 use crate::level::{LevelView, Pixels};
+use crate::pictures::pictures;
 use crate::rolling::RollingPlan;
 use crate::settings::{TernarySettings, VisibilityFilteredSettings, VisibilitySettings};
 use crate::smooth::Smoother;
@@ -156,6 +157,10 @@ impl Mapper for Visibility {
 
     fn layers(&self) -> Vec<Layer<'_>> {
         vec![Layer::Plan(Cow::Borrowed(&self.shown))]
+    }
+
+    fn pictures(&self) -> Pictures {
+        self.camera.as_ref().map_or_else(Pictures::default, |camera| pictures(&camera.grid, &camera.view))
     }
 }
 

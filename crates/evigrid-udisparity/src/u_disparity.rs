@@ -71,6 +71,11 @@ impl UDisparityGrid {
         });
     }
 
+    /// The rows of the image that could show each disparity.
+    pub fn rows(&self) -> &Rows {
+        &self.rows
+    }
+
     /// Number of columns.
     pub fn columns(&self) -> usize {
         self.columns

@@ -110,9 +110,9 @@ fn drive(world: &str, frames: usize) -> Result<Vec<Vec<String>>> {
     Ok(all.into_iter().map(|(name, sums)| sums.row(world, name)).collect())
 }
 
-/// Steps of a quarter of a metre per second up to 5 m/s, so that pedestrians can be told apart.
+/// Steps of 0.4 m/s up to 8 m/s, so that pedestrians can be told apart.
 fn fine() -> VisibilitySettings {
-    VisibilitySettings { velocities: 41, velocity_step_mps: 0.25, ..VisibilityFilteredSettings::default().0 }
+    VisibilitySettings { velocities: 41, velocity_step_mps: 0.4, ..VisibilityFilteredSettings::default().0 }
 }
 
 /// Whether the middle of an object is in the image.

@@ -1,7 +1,7 @@
 //! A drive through a world with the paper's matcher and both grids.
 
 use anyhow::{Context, Result};
-use evigrid_core::{Frame, Matching, View};
+use evigrid_core::{Frame, View};
 use evigrid_eval::{Config, MatchSource};
 use evigrid_grid::{GridSettings, GridSpec, Mapper, PlanGrid, PlanSpec};
 use evigrid_stereo::{GroundSource, MatcherKind};
@@ -37,7 +37,6 @@ pub struct Grids {
 pub struct Seen<'a> {
     pub drive: &'a Drive,
     pub frame: &'a Frame,
-    pub matching: &'a Matching,
     pub plain: &'a Visibility,
     pub filtered: &'a Visibility,
 }
@@ -69,7 +68,7 @@ impl Grids {
         self.plain.integrate(&view)?;
         self.filtered.integrate(&view)?;
         let (drive, plain, filtered) = (&self.drive, &self.plain, &self.filtered);
-        look(&Seen { drive, frame: &frame, matching: &matching, plain, filtered })?;
+        look(&Seen { drive, frame: &frame, plain, filtered })?;
         self.source.recycle(matching);
         Ok(())
     }
