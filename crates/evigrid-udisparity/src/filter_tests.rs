@@ -31,7 +31,7 @@ fn block([i, j]: [usize; 2]) -> impl Iterator<Item = usize> {
     (0..36).map(move |n| cell([i + n / 6, j + n % 6]))
 }
 
-const NOTHING: [f32; CELLS] = [f32::NAN; CELLS];
+static NOTHING: [f32; CELLS] = [f32::NAN; CELLS];
 
 /// Whether nothing that comes in over the border can have reached a cell within 8 steps of up to 3 cells.
 fn is_inner(cell: usize) -> bool {
