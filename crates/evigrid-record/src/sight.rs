@@ -33,12 +33,13 @@ impl SightPart {
     }
 
     fn label_path(&self) -> String {
-        format!("{LABELS}/{}", self.method)
+        format!("{LABELS}/{}/sight", self.method)
     }
 }
 
-impl Part for SightPart {
-    fn begin(&mut self, out: &mut Out<'_>) -> Result<()> {
+impl SightPart {
+    /// Names and colours of the labels, before the first of them.
+    fn write_classes(&self, out: &mut Out<'_>) -> Result<()> {
         let classes = [
             (PixelLabel::Unknown, "not known", Rgba32::from_unmultiplied_rgba(0, 0, 0, 0)),
             (PixelLabel::Free, "free", Rgba32::from_rgb(0, 114, 178)),
@@ -50,7 +51,9 @@ impl Part for SightPart {
         out.always(self.label_path(), &AnnotationContext::new(classes))?;
         out.always(self.label_path(), &SegmentationImage::update_fields().with_opacity(0.5))
     }
+}
 
+impl Part for SightPart {
     fn frame(&mut self, out: &mut Out<'_>, step: &Step<'_>) -> Result<()> {
         let pictures = step.methods[self.number].pictures.get();
         if !pictures.list.is_empty() {
@@ -61,7 +64,10 @@ impl Part for SightPart {
             out.log(format!("{}/names", self.path()), &names(&pictures.list))?;
         }
         if !pictures.labels.is_empty() {
-            self.has_labels = true;
+            if !self.has_labels {
+                self.write_classes(out)?;
+                self.has_labels = true;
+            }
             let size = [step.frame.rig().width as u32, step.frame.rig().height as u32];
             let format = ImageFormat::segmentation(size, ChannelDatatype::U8);
             let numbers: Vec<u8> = pictures.labels.iter().map(|label| *label as u8).collect();

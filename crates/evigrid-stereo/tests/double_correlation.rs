@@ -107,7 +107,7 @@ fn check(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(40))]
+    #![proptest_config(ProptestConfig::with_cases(80))]
     #[test]
     fn all_pixels_are_those_of_the_twin(
         (width, height) in (12_usize..50, 9_usize..30),

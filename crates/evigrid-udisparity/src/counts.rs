@@ -159,12 +159,15 @@ impl Block {
         let range = row * pixels.width + columns.start..row * pixels.width + columns.end;
         let obstacles = &pixels.obstacles[range.clone()];
         for (lane, &obstacle) in obstacles.iter().enumerate() {
-            let obstacle = usize::from(obstacle);
             // Those without a disparity are counted at 0, where nobody looks.
-            let count = &mut self.obstacles[obstacle.min(nearest)][lane];
+            let count = &mut self.obstacles[usize::from(obstacle).min(nearest)][lane];
             *count = count.wrapping_add(by);
-            let is_visible = obstacle != 0 && obstacle <= d;
-            visible[lane] = visible[lane].wrapping_add(if is_visible { by } else { 0 });
+        }
+        let most = d as u16;
+        for (visible, &obstacle) in visible.iter_mut().zip(obstacles) {
+            // 0 becomes the largest number, so that one comparison tells.
+            let is_visible = obstacle.wrapping_sub(1) < most;
+            *visible = visible.wrapping_add(if is_visible { by } else { 0 });
         }
         if ROAD {
             let values = pixels.road[range].iter().zip(obstacles).enumerate();

@@ -99,23 +99,37 @@ impl Table {
         }
     }
 
-    /// P(T) of a cell, of the row's `1 / possible`.
-    #[inline(always)]
-    pub fn total(&self, inverse_possible: f64, visible: u16, observed: u16, road: u8) -> f32 {
-        let p = &self.parameters;
-        let p_visible = f64::from(visible) * inverse_possible;
-        let nothing = if observed == 0 {
-            1.0
-        } else {
-            (-f64::from(observed) * self.inverse[usize::from(visible)] / p.tau_obstacle).exp()
-        };
-        let obstacle = p.p_obstacle(p_visible, 1.0 - nothing);
-        (obstacle * (1.0 - self.road[usize::from(road.min(9))] * nothing)) as f32
+    /// What the cells of one disparity have in common.
+    pub fn row(&self, possible: u16) -> TableRow<'_> {
+        let inverse_possible = self.inverse[usize::from(possible)];
+        let empty = |n: u16| self.parameters.p_obstacle(f64::from(n) * inverse_possible, 0.0) as f32;
+        let free = self.road.map(|road| (1.0 - road) as f32);
+        TableRow { table: self, inverse_possible, empty: (0..=possible).map(empty).collect(), free }
     }
+}
 
-    /// 1 / n; 0 for 0.
-    pub fn inverse(&self, n: u16) -> f64 {
-        self.inverse[usize::from(n)]
+/// The table for cells with one number of possible pixels.
+pub(crate) struct TableRow<'a> {
+    table: &'a Table,
+    inverse_possible: f64,
+    /// P(O) of a cell that shows no obstacle, by the number of visible pixels.
+    empty: Vec<f32>,
+    /// 1 - P(R) of such a cell, by the number of road cells.
+    free: [f32; 10],
+}
+
+impl TableRow<'_> {
+    /// P(T) of a cell.
+    #[inline(always)]
+    pub fn total(&self, visible: u16, observed: u16, road: u8) -> f32 {
+        let (visible, road) = (usize::from(visible), usize::from(road.min(9)));
+        if observed == 0 {
+            return self.empty[visible] * self.free[road];
+        }
+        let p = &self.table.parameters;
+        let nothing = (-f64::from(observed) * self.table.inverse[visible] / p.tau_obstacle).exp();
+        let obstacle = p.p_obstacle(visible as f64 * self.inverse_possible, 1.0 - nothing);
+        (obstacle * (1.0 - self.table.road[road] * nothing)) as f32
     }
 }
 
@@ -155,7 +169,7 @@ mod tests {
             for (visible, road) in (0..=possible).flat_map(|v| (0..=9).map(move |r| (v, r))) {
                 for observed in 0..=visible {
                     let exact = PAPER.cell(CellCounts { possible, visible, observed, road }).total;
-                    let fast = table.total(table.inverse(possible), visible, observed, road);
+                    let fast = table.row(possible).total(visible, observed, road);
                     assert!((f64::from(fast) - exact).abs() < 1e-7, "{possible} {visible} {observed} {road}");
                 }
             }

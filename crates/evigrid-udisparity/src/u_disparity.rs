@@ -59,13 +59,13 @@ impl UDisparityGrid {
         cells.enumerate().with_min_len(ROWS_PER_TASK).for_each(|(index, (total, road))| {
             let d = index + 1;
             neighbouring_road(around, d, road);
-            let inverse_possible = table.inverse(rows.possible(d));
+            let row = table.row(rows.possible(d));
             for (number, block) in counts.blocks().iter().enumerate() {
                 let from = number * LANES;
                 let cells = total[from..].iter_mut().zip(&road[from..]);
                 let counts = block.visible[d].iter().zip(&block.observed[d]);
                 for ((total, &road), (&visible, &observed)) in cells.zip(counts) {
-                    *total = table.total(inverse_possible, visible, observed, road);
+                    *total = row.total(visible, observed, road);
                 }
             }
         });

@@ -84,7 +84,8 @@ impl DoubleCorrelationMatcher {
             self.settings;
         let tried = (shape.min_disparity + shape.disparities) as f64;
         let nearest = (tried + px + 1.0) / (1.0 - share).max(0.01);
-        self.settings.tolerance_px(largest.min(nearest)).min(width)
+        // Rounding may take a row's ground one pixel further.
+        self.settings.tolerance_px(largest.min(nearest) + 1.0).min(width)
     }
 
     /// The ground of a pair: that of the frame, if it is asked for and found, else that of the mounting.

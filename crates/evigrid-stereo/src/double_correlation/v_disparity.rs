@@ -80,6 +80,7 @@ impl VDisparity {
                 let row = (pixel / columns) as f64 + slant * ((pixel % columns) as f64 - middle);
                 histogram.count(row, disparity);
             }
+            histogram.blur();
             let (votes, horizon, slope) = histogram.line()?;
             // Row v of the half is row 2 v + 0.5 of the image, and disparities double: slopes stay.
             let [horizon, middle] = [horizon, middle].map(|place| 2.0 * place + 0.5);
@@ -113,28 +114,37 @@ impl RowHistogram {
         }
     }
 
-    /// Pixels within half a pixel of the line that leaves disparity 0 at a row.
+    /// Makes every bin the sum of those within half a pixel of it.
+    fn blur(&mut self) {
+        let reach = (0.5 * BINS_PER_PX) as usize;
+        let mut sums = vec![0; self.bins];
+        for row in self.counts.chunks_exact_mut(self.bins) {
+            for (bin, sum) in sums.iter_mut().enumerate() {
+                *sum = row[bin.saturating_sub(reach)..(bin + reach + 1).min(row.len())].iter().sum();
+            }
+            row.copy_from_slice(&sums);
+        }
+    }
+
+    /// Pixels within half a pixel of the line that leaves disparity 0 at a row, in every second row.
     fn votes(&self, horizon: f64, slope: f64) -> u64 {
         let first = horizon.max(-1.0) as usize + 1;
         let in_row = |row: usize| {
             let bin = (slope * (row as f64 - horizon) * BINS_PER_PX).round() as usize;
-            let reach = (0.5 * BINS_PER_PX) as usize;
-            let start = row * self.bins;
-            let near =
-                start + bin.saturating_sub(reach).min(self.bins)..start + (bin + reach + 1).min(self.bins);
-            u64::from(self.counts[near].iter().sum::<u32>())
+            u64::from(if bin < self.bins { self.counts[row * self.bins + bin] } else { 0 })
         };
-        (first..self.rows).map(in_row).sum()
+        (first..self.rows).step_by(2).map(in_row).sum()
     }
 
     /// The line with the most votes: these, its horizon and its slope. Horizons from as much above the image as it is
     /// high to a tenth above its last row; from 2 pixels in the last row on.
     fn line(&self) -> Option<(u64, f64, f64)> {
         let rows = self.rows as f64;
-        let horizons = (0..self.rows).map(|n| (2 * n) as f64 - rows).filter(|horizon| *horizon < 0.9 * rows);
+        let horizons =
+            (0..self.rows / 2).map(|n| (4 * n) as f64 - rows).filter(|horizon| *horizon < 0.9 * rows);
         let lines = horizons.flat_map(|horizon| {
             let below = rows - 1.0 - horizon;
-            (2..self.largest_px).map(move |px| (horizon, px as f64 / below))
+            (2..self.largest_px).step_by(2).map(move |px| (horizon, px as f64 / below))
         });
         let votes = lines.map(|(horizon, slope)| (self.votes(horizon, slope), horizon, slope));
         votes.max_by_key(|(votes, ..)| *votes).filter(|(votes, ..)| *votes > 0)
