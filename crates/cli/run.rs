@@ -14,6 +14,12 @@ use crate::recorder::open_recorder;
 /// `evigrid run`.
 pub fn run(args: &RunArgs) -> Result<()> {
     let plan = Plan::new(args.config()?)?;
+    if let Some(unseen_m) = plan.unseen_m() {
+        let largest = plan.job.config.stereo.min_disparity + plan.job.config.stereo.disparities - 1;
+        log::warn!(
+            "stereo.disparities: the largest, {largest} px, is {unseen_m:.1} m away; what is nearer stays unknown"
+        );
+    }
     let info = &plan.job.info;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&info.dataset));
     let (folder, left_over) = ResultsFolder::open(&out)?;

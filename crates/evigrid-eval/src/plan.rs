@@ -45,6 +45,17 @@ impl Plan {
         let job = RunJob::new(config, methods, &recording)?;
         Ok(Self { recording, job })
     }
+
+    /// The distance from the camera within which the disparities that are tried show nothing, metres, if a method
+    /// tells road from obstacles by them and it is more than a fifth of the grid's length ahead.
+    pub fn unseen_m(&self) -> Option<f64> {
+        let (config, rig) = (&self.job.config, &self.recording.sequence().info().rig);
+        let largest_px = (config.stereo.min_disparity + config.stereo.disparities) as f64 - 0.5;
+        let unseen_m = rig.depth_m(largest_px);
+        let is_asked = self.job.methods.iter().any(|method| method.needs.road);
+        let [from, to] = config.grid.x_m;
+        (is_asked && unseen_m > 0.2 * (to - from)).then_some(unseen_m)
+    }
 }
 
 impl RunJob {
