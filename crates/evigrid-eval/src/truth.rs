@@ -120,7 +120,10 @@ impl Truth {
             frames.add(frame);
         }
         match (&mut self.voxels, frame.laser()) {
-            (Voxels::Laser(truth), Some(scan)) => truth.add_scan(scan),
+            (Voxels::Laser(truth), Some(scan)) => {
+                truth.add_scan(scan);
+                truth.add_view(scan, frame.rig(), frame.map_from_left());
+            }
             (Voxels::Laser(_), None) => self.without_laser.push(frame.index()),
             (Voxels::Exact { .. }, _) => {}
         }
@@ -134,8 +137,11 @@ impl Truth {
                 spec: truth.spec(),
                 occupied: truth.occupied(),
                 observed: truth.observed(),
+                in_view: Some(truth.in_view()),
             }),
-            Voxels::Exact { spec, occupied, observed } => Some(VoxelReference { spec, occupied, observed }),
+            Voxels::Exact { spec, occupied, observed } => {
+                Some(VoxelReference { spec, occupied, observed, in_view: None })
+            }
         }
     }
 

@@ -20,6 +20,8 @@ pub struct Counts {
     pub missed_unknown: usize,
     /// Cells that the map has touched.
     pub touched: usize,
+    /// Those of the missed that were in view of the camera; 0 if nobody tells.
+    pub missed_in_view: usize,
 }
 
 impl Counts {
@@ -32,6 +34,7 @@ impl Counts {
             missed_free: self.missed_free + other.missed_free,
             missed_unknown: self.missed_unknown + other.missed_unknown,
             touched: self.touched + other.touched,
+            missed_in_view: self.missed_in_view + other.missed_in_view,
         }
     }
 
@@ -68,6 +71,19 @@ impl Counts {
     }
 }
 
+impl Counts {
+    /// Recall with the missed cells that the camera could have seen only.
+    pub fn recall_in_view(&self) -> f64 {
+        ratio(self.hits, self.hits + self.missed_in_view)
+    }
+
+    /// F1 with the missed cells that the camera could have seen, and the mistakes that the laser observed, only.
+    pub fn f1_in_view(&self) -> f64 {
+        let doubled = 2 * self.hits;
+        ratio(doubled, doubled + self.mistakes_observed + self.missed_in_view)
+    }
+}
+
 /// A map of voxels with its reference, and the counts that most metrics are made of.
 #[derive(Debug, Clone, Copy)]
 pub struct VoxelCase<'a> {
@@ -96,6 +112,19 @@ pub fn count(log_odds: &[f32], reference: &VoxelReference<'_>) -> Counts {
         .zip(truth)
         .map(|(log_odds, (occupied, observed))| count_chunk(log_odds, occupied, observed))
         .reduce(Counts::default, Counts::plus)
+        .plus(Counts { missed_in_view: missed_in_view(log_odds, reference), ..Counts::default() })
+}
+
+/// Cells in view that are occupied in the reference and not in the map.
+fn missed_in_view(log_odds: &[f32], reference: &VoxelReference<'_>) -> usize {
+    let Some(in_view) = reference.in_view else { return 0 };
+    let cells = log_odds.par_chunks(CELLS_PER_TASK).zip(reference.occupied.par_chunks(CELLS_PER_TASK));
+    let missed = cells.zip(in_view.par_chunks(CELLS_PER_TASK)).map(|((log_odds, occupied), in_view)| {
+        let cells = log_odds.iter().zip(occupied).zip(in_view);
+        // A cell that was never touched (NaN) is not occupied either.
+        cells.map(|((&l, &truth), &seen)| usize::from(truth & seen & !(l > 0.0))).sum::<usize>()
+    });
+    missed.sum()
 }
 
 /// Counts one chunk, in 32 bits so that the compiler can count many cells at once.
@@ -114,5 +143,5 @@ fn count_chunk(log_odds: &[f32], occupied: &[bool], observed: &[bool]) -> Counts
         (0..6).for_each(|i| sums[i] += u32::from(flags[i]));
     }
     let [hits, mistakes, mistakes_observed, missed_free, missed_unknown, touched] = sums.map(|n| n as usize);
-    Counts { hits, mistakes, mistakes_observed, missed_free, missed_unknown, touched }
+    Counts { hits, mistakes, mistakes_observed, missed_free, missed_unknown, touched, missed_in_view: 0 }
 }

@@ -125,9 +125,10 @@ impl Metric {
         matches!(self.show, Show::Sweep(_) | Show::Main(_))
     }
 
-    /// A value where people read it: rates with three digits, counts whole.
+    /// A value where people read it: rates with three digits, counts whole, a dash where there is none.
     pub fn shown(&self, value: f64) -> String {
         match self.kind {
+            _ if value.is_nan() => "-".into(),
             Kind::Rate => format!("{value:.3}"),
             Kind::Count | Kind::Reference | Kind::Cost => format!("{value:.0}"),
         }

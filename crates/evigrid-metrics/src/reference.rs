@@ -12,12 +12,21 @@ pub struct VoxelReference<'a> {
     pub occupied: &'a [bool],
     /// Cells of which the reference knows anything: those that any laser ray touched.
     pub observed: &'a [bool],
+    /// Cells that hold a return of the laser which the left camera could see: it projects into the left image of the
+    /// same frame, within the limits of depth. `None`: nobody tells.
+    pub in_view: Option<&'a [bool]>,
 }
 
 impl VoxelReference<'_> {
     /// Number of occupied cells.
     pub fn true_cells(&self) -> usize {
         self.occupied.iter().filter(|c| **c).count()
+    }
+
+    /// Number of occupied cells in view; `None` if nobody tells what is in view.
+    pub fn true_cells_in_view(&self) -> Option<usize> {
+        let in_view = self.in_view?;
+        Some(self.occupied.iter().zip(in_view).filter(|(occupied, in_view)| **occupied && **in_view).count())
     }
 
     /// Number of observed cells.
@@ -78,7 +87,7 @@ mod tests {
         let (no, yes) = (false, true);
         let occupied = [no, yes, no, no, no, no, yes, no, no, no, no, no];
         let observed = [no, yes, no, no, yes, no, yes, no, no, yes, no, no];
-        let voxels = VoxelReference { spec: &spec, occupied: &occupied, observed: &observed };
+        let voxels = VoxelReference { spec: &spec, occupied: &occupied, observed: &observed, in_view: None };
         assert_eq!((voxels.true_cells(), voxels.observed_cells()), (2, 4));
         let plan = PlanReference::projected(&voxels, 1..3);
         assert_eq!(plan.spec, spec.plan());

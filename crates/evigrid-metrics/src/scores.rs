@@ -25,7 +25,7 @@ impl Score {
     /// The value as a cell of a table: rates with six digits and empty if undefined, counts whole.
     pub fn cell(&self) -> String {
         match self.metric.kind {
-            Kind::Rate if self.value.is_nan() => String::new(),
+            _ if self.value.is_nan() => String::new(),
             Kind::Rate => format!("{:.6}", self.value),
             Kind::Count | Kind::Reference => format!("{:.0}", self.value),
             Kind::Cost => format!("{:.3}", self.value),

@@ -96,6 +96,26 @@ pub const METRICS: &[Metric] = &[
         ..RATE
     },
     Metric {
+        name: "true_cells_in_view",
+        formula: "true cells that hold a return of the laser which projects into the left image of its frame, at \
+                  truth.view_depth_m",
+        of: Of::Voxels(|c| c.reference.true_cells_in_view().map_or(f64::NAN, |n| n as f64)),
+        ..REFERENCE
+    },
+    Metric {
+        name: "recall_in_view",
+        formula: "hits / (hits + missed cells in view)",
+        of: Of::Voxels(|c| if c.reference.in_view.is_some() { c.counts.recall_in_view() } else { f64::NAN }),
+        ..RATE
+    },
+    Metric {
+        name: "f1_in_view",
+        formula: "2 hits / (2 hits + mistakes_observed + missed cells in view)",
+        show: Show::Table("F1 in view"),
+        of: Of::Voxels(|c| if c.reference.in_view.is_some() { c.counts.f1_in_view() } else { f64::NAN }),
+        ..RATE
+    },
+    Metric {
         name: "accuracy",
         formula: "share of the occupied cells with a true cell within T metres (centre to centre)",
         of: Of::VoxelsWithin(|t| t.accuracy),

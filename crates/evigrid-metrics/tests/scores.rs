@@ -24,6 +24,7 @@ fn counts_by_hand() {
         spec: &spec(),
         occupied: &[true, false, false, true, true, false],
         observed: &[true, true, false, true, true, true],
+        in_view: None,
     };
     let c = count(&map, &reference);
     assert_eq!((c.hits, c.mistakes, c.mistakes_observed), (1, 2, 1));
@@ -32,11 +33,20 @@ fn counts_by_hand() {
     assert!((c.f1() - 1.0 / 3.0).abs() < 1e-15);
     let (precision, f1) = (c.precision_observed(), c.f1_observed());
     assert!((precision - 0.5).abs() < 1e-15 && (f1 - 0.4).abs() < 1e-15);
+    // Of the two missed cells the camera could see one.
+    let in_view = [true, false, false, false, true, true];
+    let seen = VoxelReference { in_view: Some(&in_view), ..reference };
+    let c = count(&map, &seen);
+    assert_eq!((c.missed(), c.missed_in_view, seen.true_cells_in_view()), (2, 1, Some(2)));
+    // 1 hit, 1 mistake observed, 1 missed in view.
+    assert!((c.recall_in_view() - 0.5).abs() < 1e-15 && (c.f1_in_view() - 0.5).abs() < 1e-15);
+    assert_eq!((count(&map, &reference).missed_in_view, reference.true_cells_in_view()), (0, None));
 }
 
 #[test]
 fn an_empty_map_has_no_precision_but_an_f1_of_zero() {
-    let reference = VoxelReference { spec: &spec(), occupied: &[true, false], observed: &[true, true] };
+    let reference =
+        VoxelReference { spec: &spec(), occupied: &[true, false], observed: &[true, true], in_view: None };
     let c = count(&[f32::NAN, -1.0], &reference);
     assert!(c.precision().is_nan());
     assert_eq!((c.recall(), c.f1()), (0.0, 0.0));
@@ -52,7 +62,10 @@ fn the_curve_by_hand() {
     // -4.
     let map = [3.05, 2.05, 1.05, f32::NAN, -4.05];
     let occupied = [true, false, true, true, false];
-    let curve = curve(&map, &VoxelReference { spec: &spec(), occupied: &occupied, observed: &[true; 5] });
+    let curve = curve(
+        &map,
+        &VoxelReference { spec: &spec(), occupied: &occupied, observed: &[true; 5], in_view: None },
+    );
     let at = |threshold: f32| *curve.points.iter().find(|p| p.log_odds == threshold).unwrap();
     assert_eq!((at(4.0).hits, at(4.0).mistakes), (0, 0));
     assert_eq!((at(3.0).hits, at(3.0).mistakes), (1, 0));
@@ -68,8 +81,12 @@ fn the_curve_by_hand() {
 #[test]
 fn the_area_is_cut_where_mistakes_outnumber_the_truth() {
     // One true cell found at 2, together with four mistakes: the line to (4, 1) is cut at one mistake.
-    let reference =
-        VoxelReference { spec: &spec(), occupied: &[true, false, false, false, false], observed: &[true; 5] };
+    let reference = VoxelReference {
+        spec: &spec(),
+        occupied: &[true, false, false, false, false],
+        observed: &[true; 5],
+        in_view: None,
+    };
     let curve = curve(&[2.05; 5], &reference);
     assert!((curve.area() - 0.5 * 0.25).abs() < 1e-12, "{}", curve.area());
 }
@@ -89,7 +106,7 @@ proptest! {
     ) {
         let spec = spec();
         let observed = vec![true; truth.len()];
-        let reference = VoxelReference { spec: &spec, occupied: &truth, observed: &observed };
+        let reference = VoxelReference { spec: &spec, occupied: &truth, observed: &observed, in_view: None };
         let found = within_tolerance(&map, &reference, tolerance);
         let distance = |a: usize, b: usize| {
             let (a, b) = (spec.centre_m(a), spec.centre_m(b));
@@ -125,7 +142,7 @@ fn large_grids_equal_a_plain_loop() {
         .collect();
     let occupied: Vec<bool> = (0..n).map(|i| hash(i, 7) % 100 < 2).collect();
     let observed: Vec<bool> = (0..n).map(|i| hash(i, 9) % 2 == 0).collect();
-    let reference = VoxelReference { spec: &spec, occupied: &occupied, observed: &observed };
+    let reference = VoxelReference { spec: &spec, occupied: &occupied, observed: &observed, in_view: None };
 
     let counts = count(&map, &reference);
     let number = |holds: &dyn Fn(usize) -> bool| (0..n).filter(|&i| holds(i)).count();
@@ -156,6 +173,7 @@ fn large_grids_equal_a_plain_loop() {
 fn columns_keep_their_names_and_order() {
     let after_a_frame = "hits,mistakes,mistakes_observed,missed,precision,recall,f1,\
         true_cells,observed_cells,missed_unknown,touched,precision_observed,f1_observed,\
+        true_cells_in_view,recall_in_view,f1_in_view,\
         accuracy_0.2m,completeness_0.2m,f_score_0.2m,accuracy_1m,completeness_1m,f_score_1m";
     let columns = |at_end| Scores::columns(LayerKind::Voxels, &[0.2, 1.0], at_end).join(",");
     assert_eq!(columns(false), after_a_frame);
@@ -169,6 +187,7 @@ fn the_table_says_what_its_parts_say() {
         spec: &row_of(6),
         occupied: &[true, false, false, true, true, false],
         observed: &[true, true, false, true, true, true],
+        in_view: None,
     };
     let scores = Scores::voxels_at_end(&map, &reference, &[0.2]);
     let columns: Vec<String> = scores.list.iter().map(Score::column).collect();
@@ -207,7 +226,8 @@ fn the_table_says_what_its_parts_say() {
 
 #[test]
 fn cells_and_headings() {
-    let reference = VoxelReference { spec: &row_of(2), occupied: &[true, false], observed: &[true, true] };
+    let reference =
+        VoxelReference { spec: &row_of(2), occupied: &[true, false], observed: &[true, true], in_view: None };
     let scores = Scores::voxels_at_end(&[f32::NAN, -1.0], &reference, &[0.2]);
     let cell = |column| scores.score(column).unwrap().cell();
     assert_eq!(cell("hits"), "0");

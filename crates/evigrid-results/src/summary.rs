@@ -143,12 +143,12 @@ mod tests {
 
     #[test]
     fn every_kind_of_layer_has_its_table() {
-        let row = "1 | 1 | 1 | 1 | 0.500 | 0.500 | 0.500 | 1.000 | 0.500 |";
+        let row = "1 | 1 | 1 | 1 | 0.500 | 0.500 | 0.500 | - | 1.000 | 0.500 |";
         let expected = format!(
             "{START}The laser says: 2 occupied cells, 4 observed.\n\n\
              | method | hits | mistakes | of them observed | missed | precision | recall | F1 | \
-             F within 0.2 m | curve area |\n\
-             | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n\
+             F1 in view | F within 0.2 m | curve area |\n\
+             | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n\
              | line | {row}\n| all | {row}\n\n\
              Frames without a laser scan (mapped, but not in the reference): 2.\n\n\
              Hits: occupied in the map and for the laser. Mistakes: occupied in the map alone. \
@@ -163,7 +163,7 @@ mod tests {
              unsafe taken for safe, off borders | safe taken for unsafe, off borders | inclined found | \
              planes, deg | planes, cm |\n\
              | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n\
-             | all | 0.000 | NaN | 0.000 | 1.000 | 0.000 | NaN | NaN | NaN | NaN |\n\n\
+             | all | 0.000 | - | 0.000 | 1.000 | 0.000 | - | - | - | - |\n\n\
              ## Hazards and safe areas\n\n{HAZARDS_NOTE}\n\n\
              | area | kind | all |\n| --- | --- | --- |\n| kerb | step | 100 %, from 0.0 m |\n"
         );

@@ -81,7 +81,7 @@ pub fn safety_tally() -> SafetyTally {
 /// second.
 pub fn result() -> RunResult {
     let info = info();
-    let truth = VoxelReference { spec: &info.spec, occupied: &OCCUPIED, observed: &OBSERVED };
+    let truth = VoxelReference { spec: &info.spec, occupied: &OCCUPIED, observed: &OBSERVED, in_view: None };
     let plan_truth = PlanReference {
         spec: info.spec.plan(),
         cells: OCCUPIED.map(|o| if o { PlanState::Occupied } else { PlanState::Free }).to_vec(),

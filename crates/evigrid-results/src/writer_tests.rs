@@ -17,7 +17,7 @@ fn write(dir: &Path, info: &RunInfo, result: &RunResult, kept: Kept) {
     let (folder, _) = ResultsFolder::open(dir).unwrap();
     let mut writer = ResultsWriter::create(&folder, info, json!({ "commit": "c0ffee" }), kept).unwrap();
     let (voxels, plan, safety) = (voxels(), plan(), safety());
-    let truth = VoxelReference { spec: &info.spec, occupied: &OCCUPIED, observed: &OBSERVED };
+    let truth = VoxelReference { spec: &info.spec, occupied: &OCCUPIED, observed: &OBSERVED, in_view: None };
     let scores = [Scores::voxels(voxels.values(), &truth, &info.tolerances_m), safety_scores()];
     let frame = FrameRow {
         frame: 2,
@@ -64,12 +64,13 @@ fn tables_of_frames() {
     let dir = tempfile::tempdir().unwrap();
     write(dir.path(), &info(), &result(), ALL);
     let read = |name: &str| fs::read_to_string(dir.path().join(name)).unwrap();
-    let scores = "1,1,1,1,0.500000,0.500000,0.500000,2,4,0,3,0.500000,0.500000,1.000000,1.000000,1.000000";
+    let scores = "1,1,1,1,0.500000,0.500000,0.500000,2,4,0,3,0.500000,0.500000,,,,1.000000,1.000000,1.000000";
     assert_eq!(
         read("frames.csv"),
         format!(
             "dataset,method,frame,stamp_ns,hits,mistakes,mistakes_observed,missed,precision,recall,f1,\
-             true_cells,observed_cells,missed_unknown,touched,precision_observed,f1_observed,accuracy_0.2m,\
+             true_cells,observed_cells,missed_unknown,touched,precision_observed,f1_observed,true_cells_in_view,\
+             recall_in_view,f1_in_view,accuracy_0.2m,\
              completeness_0.2m,f_score_0.2m,scans,matched_pixels\n\
              yard,line,2,100000000,{scores},1,7\nyard,all,2,100000000,{scores},1,7\n"
         )
@@ -97,13 +98,13 @@ fn tables_of_final_scores() {
     let dir = tempfile::tempdir().unwrap();
     write(dir.path(), &info(), &result(), ALL);
     let read = |name: &str| fs::read_to_string(dir.path().join(name)).unwrap();
-    let scores = "1,1,1,1,0.500000,0.500000,0.500000,2,4,0,3,0.500000,0.500000,1.000000,1.000000,1.000000,\
+    let scores = "1,1,1,1,0.500000,0.500000,0.500000,2,4,0,3,0.500000,0.500000,,,,1.000000,1.000000,1.000000,\
         0.500000,0.583333";
     assert_eq!(
         read("summary.csv"),
         format!(
             "dataset,method,frames,hits,mistakes,mistakes_observed,missed,precision,recall,f1,true_cells,\
-             observed_cells,missed_unknown,touched,precision_observed,f1_observed,accuracy_0.2m,\
+             observed_cells,missed_unknown,touched,precision_observed,f1_observed,true_cells_in_view,recall_in_view,f1_in_view,accuracy_0.2m,\
              completeness_0.2m,f_score_0.2m,curve_area,average_precision,frames_without_laser\n\
              yard,line,2,{scores},1\nyard,all,2,{scores},1\n"
         )
@@ -193,7 +194,7 @@ fn what_is_not_kept_is_not_written() {
     let expected = ["config.toml", "curve.all.csv", "curve.line.csv", "run.json", "summary.csv"];
     assert_eq!(names(dir.path()), expected, "nothing of the run before is left");
     let summary = fs::read_to_string(dir.path().join("summary.csv")).unwrap();
-    assert_eq!(summary.lines().nth(1).unwrap(), format!("yard,line,2{},1", ",".repeat(18)));
+    assert_eq!(summary.lines().nth(1).unwrap(), format!("yard,line,2{},1", ",".repeat(21)));
     assert_eq!(fs::read_to_string(dir.path().join("curve.line.csv")).unwrap().lines().count(), 1);
 }
 

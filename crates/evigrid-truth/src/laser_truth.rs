@@ -1,6 +1,6 @@
-use evigrid_core::{LaserScan, SettingError};
+use evigrid_core::{LaserScan, Pose, SettingError, StereoRig};
 use evigrid_grid::{FrameEvidence, GridSpec, LogOddsGrid, RayWalk};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::TruthSettings;
@@ -22,6 +22,7 @@ pub struct LaserTruth {
     log_odds: LogOddsGrid,
     occupied: Vec<bool>,
     observed: Vec<bool>,
+    in_view: Vec<bool>,
     scans: usize,
 }
 
@@ -37,6 +38,7 @@ impl LaserTruth {
             log_odds: LogOddsGrid::unknown(spec),
             occupied: vec![false; spec.cell_count()],
             observed: vec![false; spec.cell_count()],
+            in_view: vec![false; spec.cell_count()],
             scans: 0,
         })
     }
@@ -107,6 +109,33 @@ impl LaserTruth {
     /// Whether any ray has touched each cell, by flat index.
     pub fn observed(&self) -> &[bool] {
         &self.observed
+    }
+
+    /// Marks the cells that hold a return of a scan which the left camera of its frame could see: one that projects
+    /// into the left image, nearer and farther than the limits of depth. What stands before it is not asked.
+    pub fn add_view(&mut self, scan: &LaserScan, rig: &StereoRig, map_from_left: &Pose) {
+        let spec = *self.log_odds.spec();
+        let [near_m, far_m] = self.settings.view_depth_m;
+        let left_from_map = map_from_left.inverse();
+        let is_in = |place: f64, size: usize| place >= -0.5 && place < size as f64 - 0.5;
+        for point in scan.points() {
+            let in_map = scan.map_from_laser() * Point3::from(point.map(f64::from));
+            let in_left = left_from_map * in_map;
+            if in_left.z <= near_m || in_left.z > far_m {
+                continue;
+            }
+            let Some((x, y)) = rig.project(&in_left) else { continue };
+            if let (true, Some(cell)) =
+                (is_in(x, rig.width) && is_in(y, rig.height), spec.cell_of(in_map.coords.into()))
+            {
+                self.in_view[cell] = true;
+            }
+        }
+    }
+
+    /// Whether each cell holds a return that a left camera could see ([`Self::add_view`]), by flat index.
+    pub fn in_view(&self) -> &[bool] {
+        &self.in_view
     }
 
     /// How many scans have been added.

@@ -44,6 +44,8 @@ pub struct TruthSettings {
     /// A cell is occupied if its log-odds ever exceeded this. Unit: log-odds. Source: Brandao et al.
     /// IV-B ("occupied at any time").
     pub occupied_above: f32,
+    /// Returns of the laser count as in view of the left camera between these depths. Unit: m. Source: own protocol.
+    pub view_depth_m: [f64; 2],
 }
 
 impl Default for TruthSettings {
@@ -56,6 +58,7 @@ impl Default for TruthSettings {
             miss_log_odds: -0.4,
             log_odds_bounds: [-2.0, 3.5],
             occupied_above: 0.0,
+            view_depth_m: [1.0, 40.0],
         }
     }
 }
@@ -78,6 +81,14 @@ impl TruthSettings {
         let [min, max] = self.log_odds_bounds;
         let bounded = min.is_finite() && max.is_finite() && min < 0.0 && max > 0.0;
         require(bounded, "log_odds_bounds", "[below 0, above 0]", format!("[{min}, {max}]"))?;
+        let [from, to] = self.view_depth_m;
+        let ordered = from.is_finite() && from >= 0.0 && to.is_finite() && to > from;
+        require(
+            ordered,
+            "view_depth_m",
+            "two finite numbers [from, to] with 0 <= from < to",
+            format!("[{from}, {to}]"),
+        )?;
         let above = self.occupied_above;
         require(above < max && above > min, "occupied_above", "a number within the bounds", above.to_string())
             .map(|()| self)

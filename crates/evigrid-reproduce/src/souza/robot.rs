@@ -68,6 +68,6 @@ impl Surfaces {
     /// Scores of the cells with log-odds above 0.
     pub fn counts(&self, map: &LogOddsGrid) -> Counts {
         let (spec, occupied, observed) = (map.spec(), &self.occupied[..], &self.observed[..]);
-        count(map.values(), &VoxelReference { spec, occupied, observed })
+        count(map.values(), &VoxelReference { spec, occupied, observed, in_view: None })
     }
 }
