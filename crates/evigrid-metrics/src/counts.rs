@@ -122,7 +122,8 @@ fn missed_in_view(log_odds: &[f32], reference: &VoxelReference<'_>) -> usize {
     let missed = cells.zip(in_view.par_chunks(CELLS_PER_TASK)).map(|((log_odds, occupied), in_view)| {
         let cells = log_odds.iter().zip(occupied).zip(in_view);
         // A cell that was never touched (NaN) is not occupied either.
-        cells.map(|((&l, &truth), &seen)| usize::from(truth & seen & !(l > 0.0))).sum::<usize>()
+        let is_missed = |l: f32| l <= 0.0 || l.is_nan();
+        cells.map(|((&l, &truth), &seen)| usize::from(truth & seen & is_missed(l))).sum::<usize>()
     });
     missed.sum()
 }
