@@ -163,8 +163,10 @@ mod tests {
         plan.probabilities_mut().copy_from_slice(&[0.9, 0.9, 0.1]);
         let velocity = |x| CellVelocity { mode_mps: [x, 0.0], spread_mps: 0.0 };
         plan.set_velocities(vec![velocity(2.0), velocity(0.0), velocity(3.0)]);
-        let arrows = arrows(&plan, 0.0);
-        assert_eq!(arrows.vectors.unwrap().array.len(), 1);
+        // The first cell alone, from its middle to where it is in half a second.
+        let expected = Arrows3D::from_vectors([[1.0_f32, 0.0, 0.0]]).with_origins([[0.5_f32, 0.5, 0.1]]);
+        let found = arrows(&plan, 0.0);
+        assert_eq!((found.vectors, found.origins), (expected.vectors, expected.origins));
     }
 
     #[test]

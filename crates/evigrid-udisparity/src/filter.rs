@@ -240,7 +240,7 @@ impl Filter {
 
     /// Bayes' rule with the observation as evidence, to the power of its weight; velocities change by the way.
     fn correct(&mut self, observed: &[f32], changing: f32) {
-        let (settings, form) = (self.settings, self.settings.form);
+        let settings = self.settings;
         let [low, high] = settings.bounds.map(|bound| bound as f32);
         // What P(occupied, v) is multiplied by, what is added to it by P(v) of the prior, and the same of free.
         let mut changes = vec![[0.0_f32; 3]; self.probability.len()];
@@ -248,7 +248,7 @@ impl Filter {
         tasks.with_min_len(CELLS_PER_TASK).for_each(|((change, probability), &observed)| {
             let before = *probability;
             let evidence = evidence(observed, settings.weight);
-            if evidence == 1.0 && form != FilterForm::Normalised {
+            if evidence == 1.0 {
                 // What nobody observes keeps what it has.
                 *change = [1.0, 0.0, 1.0];
                 return;

@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use evigrid_core::{Disparity, MatchFilter, Matches, RoadSplit, SettingError, View};
+use evigrid_core::{
+    Disparity, DisparityPlane, MatchFilter, Matches, RoadSplit, SettingError, StereoRig, View,
+};
 use evigrid_grid::{GridSpec, Layer, LayerKind, MapError, Mapper, Method, Needs, Pictures, PlanGrid};
 
 use crate::filter::{Filter, FilterForm};
@@ -33,18 +35,18 @@ pub struct Visibility {
 #[derive(Debug, Default)]
 struct Sight {
     pixels: Pixels,
+    /// The level camera, kept while rig and ground stay as they are: it holds an entry per pixel.
+    level: Option<(StereoRig, DisparityPlane, LevelView)>,
 }
 
 #[derive(Debug)]
 struct Camera {
-    view: LevelView,
     grid: UDisparityGrid,
     smoother: Smoother,
 }
 
 /// The parts of a view that these methods look at.
 struct Seen<'a> {
-    level: LevelView,
     ground: GroundView,
     split: &'a RoadSplit,
     matches: &'a Matches,
@@ -54,8 +56,6 @@ impl<'a> Seen<'a> {
     fn of(view: &View<'a>) -> Result<Self, MapError> {
         let split = MapError::road(view)?;
         let refuse = |what, expected, found: String| MapError::View { what, expected, found };
-        let level = LevelView::new(view.rig, &split.ground)
-            .map_err(|e| refuse("ground", "disparities that grow downwards", e.to_string()))?;
         let ground = GroundView::of(view.rig, view.map_from_left).ok_or_else(|| {
             refuse("pose", "a camera that looks ahead", "one that looks along the vertical".into())
         })?;
@@ -63,7 +63,7 @@ impl<'a> Seen<'a> {
             let found = format!("{} to {}", split.tried.start, split.tried.end.saturating_sub(1));
             return Err(refuse("disparities", "at least 1 px", found));
         }
-        Ok(Self { level, ground, split, matches: view.matches })
+        Ok(Self { ground, split, matches: view.matches })
     }
 
     /// The largest disparity of the grid.
@@ -71,11 +71,31 @@ impl<'a> Seen<'a> {
         self.split.tried.end - 1
     }
 
-    fn fill(&self, settings: &VisibilitySettings, sight: &mut Sight) {
+    /// Fills the pixels of a sight; whether its level camera is another one than before.
+    fn fill(
+        &self,
+        rig: &StereoRig,
+        settings: &VisibilitySettings,
+        sight: &mut Sight,
+    ) -> Result<bool, MapError> {
+        let is_same =
+            |kept: &&(StereoRig, DisparityPlane, LevelView)| (kept.0, kept.1) == (*rig, self.split.ground);
+        let is_new = sight.level.as_ref().filter(is_same).is_none();
+        if is_new {
+            let level = LevelView::new(rig, &self.split.ground).map_err(|e| MapError::View {
+                what: "ground",
+                expected: "disparities that grow downwards",
+                found: e.to_string(),
+            })?;
+            sight.level = Some((*rig, self.split.ground, level));
+        }
         let believed = MatchFilter::new(self.matches, &settings.limits());
         let parts: [&Disparity; 2] = [&self.split.obstacles, &self.split.road];
         let tried: &Range<usize> = &self.split.tried;
-        self.level.fill(&believed, parts, tried, &mut sight.pixels);
+        if let Some((.., level)) = &sight.level {
+            level.fill(&believed, parts, tried, &mut sight.pixels);
+        }
+        Ok(is_new)
     }
 }
 
@@ -111,31 +131,31 @@ impl Visibility {
 
     /// The level camera of the last frame.
     pub fn level_view(&self) -> Option<&LevelView> {
-        self.camera.as_ref().map(|camera| &camera.view)
+        self.sight.level.as_ref().map(|(.., view)| view)
     }
 }
 
 impl Camera {
-    /// The camera of a frame: the one before, if neither the ground under it nor its disparities have changed.
-    fn of<'a>(kept: &'a mut Option<Self>, s: &VisibilitySettings, seen: &Seen<'_>) -> &'a mut Self {
-        let disparities = seen.disparities();
-        let is_same = |camera: &Self| camera.view == seen.level && camera.grid.disparities() == disparities;
-        if !kept.as_ref().is_some_and(is_same) {
-            *kept = None;
+    /// The grid of a level camera.
+    fn new(s: &VisibilitySettings, view: &LevelView, disparities: usize) -> Self {
+        Self {
+            grid: UDisparityGrid::new(view, s.top_m, disparities, s.parameters(), s.count_road),
+            smoother: Smoother::new(s.sigma_u_px, s.sigma_d_px, view.rig.width),
         }
-        kept.get_or_insert_with(|| Self {
-            grid: UDisparityGrid::new(&seen.level, s.top_m, disparities, s.parameters(), s.count_road),
-            smoother: Smoother::new(s.sigma_u_px, s.sigma_d_px, seen.level.rig.width),
-            view: seen.level.clone(),
-        })
     }
 }
 
 impl Mapper for Visibility {
     fn integrate(&mut self, view: &View<'_>) -> Result<(), MapError> {
         let seen = Seen::of(view)?;
-        seen.fill(&self.settings, &mut self.sight);
-        let camera = Camera::of(&mut self.camera, &self.settings, &seen);
+        let is_new = seen.fill(view.rig, &self.settings, &mut self.sight)?;
+        let Some((.., level)) = &self.sight.level else { return Err(MapError::Lacks("a level camera")) };
+        let disparities = seen.disparities();
+        let fits = |camera: &Camera| !is_new && camera.grid.disparities() == disparities;
+        if !self.camera.as_ref().is_some_and(fits) {
+            self.camera = None;
+        }
+        let camera = self.camera.get_or_insert_with(|| Camera::new(&self.settings, level, disparities));
         camera.grid.fill(&self.sight.pixels);
         let columns = camera.grid.columns();
         let smooth = camera.smoother.run(camera.grid.total());
@@ -160,7 +180,10 @@ impl Mapper for Visibility {
     }
 
     fn pictures(&self) -> Pictures {
-        self.camera.as_ref().map_or_else(Pictures::default, |camera| pictures(&camera.grid, &camera.view))
+        match (self.u_disparity(), self.level_view()) {
+            (Some(grid), Some(view)) => pictures(grid, view),
+            _ => Pictures::default(),
+        }
     }
 }
 
@@ -214,7 +237,7 @@ pub struct Ternary {
 impl Mapper for Ternary {
     fn integrate(&mut self, view: &View<'_>) -> Result<(), MapError> {
         let seen = Seen::of(view)?;
-        seen.fill(&self.settings, &mut self.sight);
+        seen.fill(view.rig, &self.settings, &mut self.sight)?;
         let columns = self.sight.pixels.width;
         self.grid.resize(columns * seen.disparities(), 0.5);
         ternary(&self.sight.pixels, &self.settings.parameters(), &mut self.grid);

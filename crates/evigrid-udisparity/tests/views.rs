@@ -172,3 +172,19 @@ fn the_plan_rolls_and_its_cells_stay_in_the_map() {
         assert!((moved - moved.round()).abs() < 1e-9 && (moved - x / 0.25).abs() <= 0.5 + 1e-9);
     }
 }
+
+/// A frame that shows other ground makes the grid that a new map would make of it.
+#[test]
+fn ground_that_changes_is_followed() {
+    let road = matching(nothing, of_ground, 33);
+    let mut tilted = matching(wall, nothing, 33);
+    tilted.road.as_mut().unwrap().ground =
+        GroundPlane::below(&Mounting::over_middle(1.4, 0.1)).disparities(&RIG);
+    let fresh = plan(&mut visibility(), &tilted);
+    let mut map = visibility();
+    for matching in [&road, &tilted] {
+        let last = plan(&mut map, matching);
+        let same = last.iter().zip(&fresh).all(|(a, b)| a.to_bits() == b.to_bits());
+        assert_eq!(same, std::ptr::eq(matching, &tilted));
+    }
+}

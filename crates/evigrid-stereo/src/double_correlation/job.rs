@@ -14,7 +14,6 @@ pub(super) struct DoubleJob<'a> {
     pub settings: DoubleCorrelationSettings,
     /// Largest residual disparity of any row, pixels.
     pub reach: usize,
-    pub sub_pixel: bool,
 }
 
 /// Columns of a row in which one residual disparity stands for one hypothesis.

@@ -78,7 +78,7 @@ pub(super) fn match_rows(job: &DoubleJob<'_>, band: Band<'_>, is_road: &mut [boo
         let disparity = &mut band.disparity[row.clone()];
         let (ratio, left_right) = (&mut band.peak_ratio[row.clone()], &mut band.left_right[row.clone()]);
         search_row(&job.upright, upright, disparity, ratio, left_right);
-        classify(job, y, scratch_of(upright, road), disparity, &mut is_road[row]);
+        classify(job, y, &RowResult { upright, road }, disparity, &mut is_road[row]);
     }
 }
 
@@ -86,11 +86,6 @@ pub(super) fn match_rows(job: &DoubleJob<'_>, band: Band<'_>, is_road: &mut [boo
 struct RowResult<'a> {
     upright: &'a Upright,
     road: &'a Road,
-}
-
-#[inline(always)]
-fn scratch_of<'a>(upright: &'a Upright, road: &'a Road) -> RowResult<'a> {
-    RowResult { upright, road }
 }
 
 /// Lowers the upright costs of row `y` to those of the road where these are lower.
@@ -108,11 +103,11 @@ fn merge(job: &DoubleJob<'_>, y: usize, road: &Road, costs: &mut [u16]) {
 
 /// Tells which winners of row `y` are the road's, and puts their sub-pixel parts right, or off.
 #[inline(always)]
-fn classify(job: &DoubleJob<'_>, y: usize, row: RowResult<'_>, disparity: &mut [f32], is_road: &mut [bool]) {
+fn classify(job: &DoubleJob<'_>, y: usize, row: &RowResult<'_>, disparity: &mut [f32], is_road: &mut [bool]) {
     let (min_disparity, stride) = (job.upright.settings.min_disparity, job.upright.stride());
     let index = &row.upright.left_index[..job.width()];
     is_road.fill(false);
-    if !job.sub_pixel {
+    if !job.settings.sub_pixel {
         for (disparity, &index) in disparity.iter_mut().zip(index) {
             let whole = (min_disparity + usize::from(index)) as f32;
             *disparity = if disparity.is_nan() { f32::NAN } else { whole };
@@ -126,7 +121,7 @@ fn classify(job: &DoubleJob<'_>, y: usize, row: RowResult<'_>, disparity: &mut [
         for (((class, winner), cost), road) in classes.iter_mut().zip(winners).zip(costs).zip(of_road) {
             *class |= (usize::from(*winner) == run.hypothesis) & (cost == road);
         }
-        if job.sub_pixel {
+        if job.settings.sub_pixel {
             for x in run.columns.filter(|&x| usize::from(index[x]) == run.hypothesis && is_road[x]) {
                 let whole = (min_disparity + run.hypothesis) as f32;
                 let fraction = job.ground_fraction(x, y) + vertex(row.road, job.width(), run.number, x);

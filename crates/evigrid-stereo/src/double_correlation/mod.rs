@@ -105,8 +105,8 @@ impl PairMatcher for DoubleCorrelationMatcher {
         let shape = upright.shape();
         let reach = self.reach(&ground, shape);
         self.shear.fill(task.right, &ground, reach);
-        let (settings, sub_pixel) = (self.settings, self.settings.sub_pixel);
-        let job = DoubleJob { upright, shear: &self.shear, ground, settings, reach, sub_pixel };
+        let settings = self.settings;
+        let job = DoubleJob { upright, shear: &self.shear, ground, settings, reach };
 
         let (mut out, split) = recycled(task.recycled, shape);
         clear_border(&mut out, &job.upright);
